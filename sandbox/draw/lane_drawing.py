@@ -292,7 +292,7 @@ class LaneDrawing:
         return overlap if 0.0 < overlap < self.bead else 0.0
 
     def _cut(self, surface: pygame.Surface, bead: int, edges: list[float]) -> None:
-        """Clip the surface to the part of a ball between the flat faces where it touches its neighbours."""
+        """Clip the surface to the part of a ball between its flat faces."""
         left, right = self.rect.left, self.rect.right
         if overlap := self._pressed(bead - 1, edges):
             left = max(left, round(edges[bead] + overlap / 2))

@@ -203,10 +203,8 @@ def message_words(text: str) -> str:
     return gettext(text.template, **{name: _value_words(name, value) for name, value in text.values.items()})
 
 
-# Values of messages that are translated: a noun, and the label of a lane.
-NOUNS = ("what", "label")
-
-
 def _value_words(name: str, value: object) -> object:
-    """Return a value of a message: a message or a noun is translated."""
-    return scene_words(value) if isinstance(value, Message) or (name in NOUNS and isinstance(value, str)) else value
+    """Return a value of a message: a message or the noun `what` is translated."""
+    if isinstance(value, Message):
+        return message_words(value)
+    return gettext(value) if name == "what" and isinstance(value, str) else value

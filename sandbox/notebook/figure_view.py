@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from softcradle.physics import Trajectory
+from softcradle.sandbox.quantities import FORCE, TIME, VELOCITY
 from softcradle.sandbox.scene_runs import run_scene
-from softcradle.sandbox.story.terms import FORCE, TIME, VELOCITY
 from softcradle.sandbox.studies.plot_style import COLUMN_WIDTH, bead_colour, panel_title, styled, zero_line
 from softcradle.scenes import Scene
 

@@ -15,11 +15,11 @@ from softcradle.physics.coupler import Coupler
 from softcradle.physics.scales import scales_at
 from softcradle.sandbox.languages import N_, NP_, error_words
 from softcradle.sandbox.motion import Motion
+from softcradle.sandbox.quantities import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
 from softcradle.sandbox.session.contact_conversion import plain_contact
 from softcradle.sandbox.session.inputs import Input, SetContact, SetDrive, SetFriction, SetGap, SetMass, SetVelocity
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.story.terms import BEAD, CONTACT, MASS, OVERLAP, VELOCITY
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
@@ -33,7 +33,7 @@ EXPONENTS = 0.01, 3.0  # range of exponents of the slider
 ROUND_EXPONENTS = (1 / 40, 1 / 20, 1 / 14, 1 / 10, 1 / 5, 1 / 2, 1.0, 3 / 2)
 # Largest distance from a round value at which a slider stops there, as a fraction of its length. It is less than the step of
 # the arrow keys (0.02), which would not leave a round value otherwise.
-CATCH = 0.008
+CATCH = 0.018
 FEWEST_STOPS = 50  # fewest stops of a linear slider
 LEAST = 1e-6  # half the range of a slider whose values are all 0
 

@@ -3,6 +3,7 @@
 Every input changes model and recording through :meth:`Session.apply`, so that a recording can be replayed bitwise.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -376,6 +377,15 @@ class Session:
     def history_slices(self, lane: int, frames: int) -> list[HistorySlice]:
         """Return the last `frames` frames of a lane up to the visible one, in ascending order."""
         return list(history_slices(self.history, lane, self.frame - frames + 1, self.frame))
+
+    def until_contact(self) -> float:
+        """Return the time [s] until the first open contact closes at the present velocities; infinity if none will."""
+        found = [math.inf]
+        for lane in self.lanes:
+            overlap, rate = lane.state.overlap, lane.state.rate
+            closing = rate > 0.0
+            found += (-overlap[closing] / rate[closing]).tolist()
+        return min(found)
 
     def contact_events(self) -> ContactEvents:
         """Return the contact events of the whole history."""

@@ -11,10 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from softcradle.sandbox.languages import NP_
-from softcradle.sandbox.session.editable_numbers import NUMBERS
-from softcradle.sandbox.session.live_lane import LiveLane
-from softcradle.sandbox.session.session import Session
-from softcradle.sandbox.story.terms import (
+from softcradle.sandbox.quantities import (
     BEAD,
     CONTACT,
     FORCE,
@@ -28,6 +25,9 @@ from softcradle.sandbox.story.terms import (
     TIME,
     VELOCITY,
 )
+from softcradle.sandbox.session.editable_numbers import NUMBERS
+from softcradle.sandbox.session.live_lane import LiveLane
+from softcradle.sandbox.session.session import Session
 
 OF_BEADS, OF_CONTACTS = (MASS, POSITION, VELOCITY, MOMENTUM, KINETIC), (OVERLAP, RATE, FORCE)
 BEAD_COLUMNS = (NP_("column", "bead"), *(one.column for one in OF_BEADS))

@@ -78,6 +78,7 @@ class App:
         self.dialog: Overlay | None = None
         self.gallery: GalleryPage | None = None
         self.minimised, self._quiet = False, 0.0
+        self.page: Page = Page()
         self.focus = KeyboardFocus(self)
         self.router = EventRouter(self)
         self.unsaved_file, self._left_over = UnsavedFile(), left_over()
@@ -102,7 +103,7 @@ class App:
             "previous_control": partial(self.focus.move, -1),
         }
         self.widgets = Derived(self._made_of, self.rebuild)
-        self.page: Page = self._first_page(start)
+        self.page = self._first_page(start)
         self._build()
         if (found := self._left_over) is not None:
             choices: Choices = {_("Open it"): partial(self._open_unsaved, found), _("Discard it"): found.forget}
@@ -136,6 +137,7 @@ class App:
 
     def _unit(self) -> float:
         wide, high = LEAST_EXPLORED if self.explore else LEAST
+        high = max(high, self.page.least_height)
         return min(self.scale * self._usual_unit, self.size[0] / wide, self.size[1] / high)
 
     @property
@@ -254,7 +256,7 @@ class App:
         self.put_over(EntryDialog(self, title, note, {title: text}, self._take_line(take)))
 
     def choose(self, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
-        """Ask a question with one button for each choice. A `neutral` dialog preselects no button and hides the page."""
+        """Ask a question with one button for each choice. A `neutral` dialog preselects no button."""
         self.put_over(Dialog(self, title, note, choices, neutral))
 
     def put_over(self, modal: Overlay) -> None:
@@ -422,6 +424,7 @@ def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
     from softcradle.sandbox.session.replay import Replay
     from softcradle.sandbox.session.session import Session
     from softcradle.sandbox.window.scene.page import ScenePage
+    from softcradle.sandbox.window.scene.tools import beside_other_balls, worth_comparing
 
     wanted = name_or_path if name_or_path in names() else os.path.expanduser(name_or_path)
     text = sys.stdin.read() if name_or_path == STANDARD_INPUT else name_or_path
@@ -434,7 +437,10 @@ def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
         return ScenePage(host, replay.session, leave, replay)
     else:
         scene = load(wanted)
-    return ScenePage(host, Session(scene, clock=host.clock), leave)
+    session = Session(scene, clock=host.clock)
+    if host.explore and host.settings.beside and worth_comparing(session):
+        return ScenePage(host, Session(beside_other_balls(session), clock=host.clock), leave, alone=scene)
+    return ScenePage(host, session, leave)
 
 
 def _wait() -> list[pygame.Event]:

@@ -177,8 +177,7 @@ class Dialog(Overlay):
     Esc only closes.
 
     Arguments:
-        neutral: preselect no button, so that Enter has no effect before an arrow key was pressed, and hide the page
-            behind.
+        neutral: preselect no button, so that Enter has no effect before an arrow key was pressed.
 
     Attributes:
         buttons: the buttons, by their text.
@@ -232,7 +231,7 @@ class Dialog(Overlay):
     def paint(self, surface: pygame.Surface) -> None:
         """Draw the shade, the box, its widgets, and the ring around the button that Enter presses."""
         unit = self.host.unit
-        paint_box(surface, self.box, unit, hiding=self.neutral)
+        paint_box(surface, self.box, unit)
         x, y = self.inner.topleft
         write(surface, self.title, (x, y), 16 * unit, tones.foreground, bold=True)
         for k, line in enumerate(self._lines()):
@@ -247,11 +246,11 @@ class Dialog(Overlay):
             pygame.draw.rect(surface, tones.foreground, button.rect.inflate(6, 6), 2, border_radius=6)
 
 
-def paint_box(surface: pygame.Surface, box: pygame.Rect, unit: float, hiding: bool = False) -> None:
-    """Dim the page (or hide it, if `hiding`) and draw an empty box over it."""
+def paint_box(surface: pygame.Surface, box: pygame.Rect, unit: float) -> None:
+    """Dim the page and draw an empty box over it."""
     shade = pygame.Surface(surface.get_size())
-    shade.fill(tones.background if hiding else tones.shadow)
-    shade.set_alpha(255 if hiding else SHADE_OPACITY)
+    shade.fill(tones.shadow)
+    shade.set_alpha(SHADE_OPACITY)
     surface.blit(shade, (0, 0))
     pygame.draw.rect(surface, tones.background, box, border_radius=round(8 * unit))
     pygame.draw.rect(surface, tones.faint, box, max(1, round(2 * unit)), border_radius=round(8 * unit))

@@ -90,6 +90,7 @@ _BINDINGS: tuple[Binding, ...] = (
     Binding("arrows", _keys(pygame.K_v), N_("View"), N_("arrows: velocity, momentum, force")),
     Binding("lesson", _keys(pygame.K_q), N_("Tools"), N_("predict first")),
     Binding("values", _keys(pygame.K_t), N_("Tools"), N_("table of values instead of plots")),
+    Binding("why", _keys((pygame.K_w, SHIFT)), N_("Tools"), N_("why? the largest push, magnified")),
     Binding("tell", _keys(pygame.K_w), N_("Tools"), N_("describe what happened")),
     Binding("copy_values", _keys(pygame.K_c), N_("Tools"), N_("copy all values as CSV")),
     Binding("copy_scene", _keys((pygame.K_c, CTRL)), N_("Tools"), N_("copy the scene as text, to share it")),

@@ -62,6 +62,7 @@ class Page:
     Attributes:
         actions: actions of the key table that the page offers.
         title: title of the page in the title bar of the window; empty for the gallery.
+        least_height: height [design pixels] that the page needs. A larger scale is reduced until it fits.
         unsaved: True if edits are lost when the page is left. The page then has the action "save_scene".
         moving: True if the next frame differs from the current one without user input.
         typing: True if keys go into a text field.
@@ -69,6 +70,7 @@ class Page:
 
     actions: Actions
     title = ""
+    least_height = 0.0
     unsaved = moving = typing = False
 
     def call_unsaved(self) -> None:

@@ -17,8 +17,7 @@ INSETS = 84.0  # Height of the insets in design pixels.
 ENERGY_BARS = 36.0  # Height of the energy bars in design pixels.
 GUTTER = 24.0  # Distance between two plots in design pixels.
 MARGIN = 14.0  # Margin around beads and plots in design pixels.
-# Smallest height of a lane in design pixels. Plots, card, insets and energy bars are reduced before a lane becomes
-# lower.
+# Smallest height of a lane in design pixels. Plots, insets and energy bars are reduced before a lane becomes lower.
 LEAST_LANE = 120.0
 # Height of a lane in design pixels at which force bars can be compared: in the Lab (False), and in Explore (True),
 # which shows more of the beads. Plots higher than PLOT_ROW are reduced to reach it.
@@ -41,7 +40,6 @@ class Geometry:
         lanes: the rectangle of the beads of each lane.
         insets: the area below a single lane; empty if there are more lanes or too little space.
         energy_bars: the energy bars of a single lane; empty if there are more lanes or too little space.
-        card: the card at the end of a motion, between beads and plots; empty if there is no card or too little space.
         plots: rows of rectangles, one rectangle for each plot.
     """
 
@@ -51,7 +49,6 @@ class Geometry:
     lanes: tuple[Rect, ...]
     insets: Rect
     energy_bars: Rect
-    card: Rect
     plots: tuple[tuple[Rect, ...], ...]
 
 
@@ -62,12 +59,10 @@ def geometry(
     plots: Sequence[int],
     panel: bool,
     explore: bool = False,
-    card: int = 0,
 ) -> Geometry:
     """Return the layout for a window of `size`. `plots` contains the number of plots in each row.
 
-    If `explore`, the page has neither insets nor energy bars. A `card` of that height [pixels] lies between beads and
-    plots and reduces the plots. `fitting` returns the possible number of rows and the card height.
+    If `explore`, the page has neither insets nor energy bars. `fitting` returns the possible number of rows.
     """
     width, height = size
     toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
@@ -81,13 +76,20 @@ def geometry(
     share = PLOTS_SHARE.get(len(rows), MOST_PLOTS_SHARE) * (EXPLORED if explore else 1.0)
     least = len(rows) * PLOT_ROW * unit
     high = max(least, min(share * main.height, main.height - _lanes_height(lanes, LANE[explore]) * unit))
-    high = round(max(least, high - card))
-    above = Rect(main.left, main.top, main.width, main.height - high - card)
+    if lanes == 1 and not explore:
+        high = max(least, min(high, main.height - (LANE[False] + INSETS) * unit))
+    high = round(high)
+    above = Rect(main.left, main.top, main.width, main.height - high)
     gap = round(8 * unit)
     below = Rect(main.left, main.bottom - high + gap, main.width, max(0, high - gap))
-    beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2 and not card, explore)
-    between = Rect(main.left, above.bottom, main.width, card)
-    return Geometry(toolbar, footer, right, beads, insets, bars, between, _plots(below, unit, rows))
+    beads, insets, bars = _beads(above, unit, lanes, len(rows) < 2, explore)
+    return Geometry(toolbar, footer, right, beads, insets, bars, _plots(below, unit, rows))
+
+
+def least_height(lanes: int) -> float:
+    """Return the smallest height of a window [design pixels] in which all lanes and a row of plots fit in Explore."""
+    beads = LANE[False] if lanes == 1 else _lanes_height(lanes, LEAST_LANE)
+    return TOOLBAR + FOOTER + MARGIN + beads + PLOT_ROW + 1.0  # One pixel for rounding.
 
 
 def _lanes_height(lanes: int, each: float) -> float:
@@ -95,14 +97,14 @@ def _lanes_height(lanes: int, each: float) -> float:
     return lanes * each + (lanes - 1) * LANE_GAP
 
 
-def fitting(size: tuple[int, int], unit: float, lanes: int, explore: bool, card: int) -> tuple[int, int]:
-    """Return how many rows of plots fit (the others are reached by scrolling), and the height of the `card`, or 0 if it
-    does not fit.
+def fitting(size: tuple[int, int], unit: float, lanes: int, explore: bool) -> int:
+    """Return how many rows of plots fit. The others are reached by scrolling.
+
+    A single lane in the Lab always keeps its insets, because the smallest overlap is the point of the scene.
     """
     main = size[1] - (TOOLBAR + FOOTER + MARGIN) * unit
-    card = card if card <= main - _lanes_height(lanes, LEAST_LANE) * unit else 0
-    low = LANE[True] if card else LANE[False] if explore else LEAST_LANE
-    return max(0, int((main - card - _lanes_height(lanes, low) * unit) / (PLOT_ROW * unit))), card
+    low = LEAST_LANE if lanes > 1 else LANE[False] + (0.0 if explore else INSETS)
+    return max(0, int((main - _lanes_height(lanes, low) * unit) / (PLOT_ROW * unit)))
 
 
 def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
@@ -117,8 +119,8 @@ def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> t
     if lanes > 1 or explore:
         none = Rect(rect.left, rect.bottom, rect.width, 0)
         return tuple(stack(rect, [0.0] * lanes, unit, LANE_GAP)), none, none
-    bars = round(ENERGY_BARS * unit) if roomy and rect.height > (LEAST_LANE + ENERGY_BARS) * unit else 0
-    insets = round(INSETS * unit) if rect.height - bars > (LEAST_LANE + INSETS) * unit else 0
+    insets = round(INSETS * unit) if rect.height >= (LEAST_LANE + INSETS) * unit else 0
+    bars = round(ENERGY_BARS * unit) if roomy and rect.height - insets > (LEAST_LANE + ENERGY_BARS) * unit else 0
     lane = Rect(rect.left, rect.top, rect.width, rect.height - insets - bars)
     below = Rect(rect.left, lane.bottom, rect.width, insets)
     return (lane,), below, Rect(rect.left, below.bottom, rect.width, bars)

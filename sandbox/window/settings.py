@@ -37,6 +37,7 @@ class Settings:
         language: a code in LANGUAGES; empty means the language of the locale.
         explore: True for Explore (few controls), False for Lab (all controls).
         scale: size of everything in the window, relative to the usual size.
+        beside: True if Explore opens scenes of soft beads next to steel balls. It is the last choice of the user.
         plots: names of the visible kinds of plots; None until the user chooses some.
         recent: paths of recently opened or saved files, the newest first.
     """
@@ -45,6 +46,7 @@ class Settings:
     language: str = ""
     scale: float = 1.0
     explore: bool = True
+    beside: bool = True
     plots: list[str] | None = None
     recent: list[str] = field(default_factory=list)
 
@@ -57,7 +59,7 @@ class Settings:
             loaded = cls(**known)
             loaded.recent = [str(path) for path in loaded.recent][:MOST_RECENT]
             loaded.scale = min(max(float(loaded.scale), SCALES[0]), SCALES[-1])
-            loaded.explore = bool(loaded.explore)
+            loaded.explore, loaded.beside = bool(loaded.explore), bool(loaded.beside)
             loaded.plots = None if loaded.plots is None else [str(name) for name in loaded.plots]
         except (OSError, ValueError, TypeError):
             return cls()

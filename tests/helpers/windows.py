@@ -17,6 +17,7 @@ from pygame_gui.elements import UIButton, UIDropDownMenu, UITextEntryLine, UIToo
 from softcradle.sandbox.window.app import App
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.page import ScenePage
+from softcradle.sandbox.window.settings import Settings
 from softcradle.sandbox.window.widgets import Slider
 
 from tests.helpers.drawn_text import DrawnText, drawn_texts
@@ -48,10 +49,19 @@ class Driver:
     opened: ClassVar[list[Driver]] = []
 
     def __init__(
-        self, start: str | None = None, size: tuple[int, int] = (1280, 720), wait: bool = True, lab: bool = True
+        self,
+        start: str | None = None,
+        size: tuple[int, int] = (1280, 720),
+        wait: bool = True,
+        lab: bool = True,
+        beside: bool = False,
     ) -> None:
-        """Open the window. `wait`: until all kernels are in memory; `lab`: show all controls."""
+        """Open the window. `wait`: until all kernels are in memory; `lab`: show all controls; `beside`: Explore opens soft
+        beads next to steel balls.
+        """
         self.time = 0.0
+        if not lab:
+            Settings.load().keep(beside=beside)
         self.opened.append(self)
         self.app = App(size, start, lambda: self.time, lab)
         assert not wait or self.app.warmup.complete.wait(LONGEST)

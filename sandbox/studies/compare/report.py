@@ -23,7 +23,7 @@ from softcradle.sandbox.page.document import footer, note, table
 from softcradle.sandbox.page.played_motion import PlayedMotion, result_notes
 from softcradle.sandbox.page.shared_page import recorded_page
 from softcradle.sandbox.page.svg_charts import ChartAxes, Curve, Range, bar_chart, chart_row, line_chart
-from softcradle.sandbox.story.terms import FORCE, OVERLAP, TIME
+from softcradle.sandbox.quantities import FORCE, OVERLAP, TIME
 from softcradle.sandbox.studies.compare.results import (
     SideResult,
     collision_table,

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from softcradle.physics import Chain, Coupler, draft_gear, ensemble, hooke, one_on, simulate
 from softcradle.physics.analysis.closed_forms import critical_speed
+from softcradle.sandbox.quantities import TIME, VELOCITY
 from softcradle.sandbox.scene_runs import KEEPING
-from softcradle.sandbox.story.terms import TIME, VELOCITY
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.paper import soft_chain
 from softcradle.sandbox.studies.plot_style import (

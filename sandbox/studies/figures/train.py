@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from softcradle.physics import ensemble, simulate
+from softcradle.sandbox.quantities import TIME
 from softcradle.sandbox.scene_runs import KEEPING
-from softcradle.sandbox.story.terms import TIME
 from softcradle.sandbox.studies.data_table import Array, Table, long_table, rows_where
 from softcradle.sandbox.studies.plot_style import BLUE, GREY, PAGE_WIDTH, new_figure
 

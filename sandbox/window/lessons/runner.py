@@ -15,7 +15,8 @@ from softcradle.sandbox.story.outcome import Outcome
 from softcradle.sandbox.window.dialog import Choices
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.clock import SceneClock
-from softcradle.scenes import load
+from softcradle.sandbox.window.scene.outcome_card import OutcomeCard
+from softcradle.scenes import Scene, load
 
 FILE = Path(__file__).parent / "lessons.toml"
 
@@ -85,89 +86,177 @@ MEASURES: dict[str, Callable[[Sequence[Outcome]], int | None]] = {
 
 
 class LessonRunner:
-    """Asks the questions about the scene of a page: multiple-choice lessons, or the scene's own question with a typed
-    answer.
+    """Asks the questions about the scene of a page before it is played, and gives the verdict after the run.
+
+    A scene has multiple-choice lessons, or its own question with a typed answer. The panels show the questions next to
+    the beads. Dialogs replace them in panels without enough space.
+
+    Arguments:
+        card: receives the verdict.
+        alone: the scene with one row from which a comparison was made, or None. Its lessons are about the first row.
+        beside: returns True if the visible panel shows the choices.
 
     Attributes:
-        predicted: index of the choice or the typed prediction; None if no prediction waits for its answer.
+        predictions: indices of the choices so far, one for each lesson that was answered.
+        typed: the typed prediction, or None.
         answered: True after a motion has ended; the explanation of the scene is then shown.
+        explanations: one sentence for each lesson that was predicted, which explains its answer.
     """
 
-    def __init__(self, host: Host, session: Session, clock: SceneClock) -> None:
-        self.host, self.session, self.clock = host, session, clock
+    def __init__(
+        self,
+        host: Host,
+        session: Session,
+        clock: SceneClock,
+        card: OutcomeCard,
+        alone: Scene | None,
+        beside: Callable[[], bool],
+    ) -> None:
+        self.host, self.session, self.clock, self.card, self.alone, self.beside = (
+            host,
+            session,
+            clock,
+            card,
+            alone,
+            beside,
+        )
         self.begin()
 
     def begin(self) -> None:
         """Find the questions about the scene again, because its text may have changed."""
-        self.own = [lesson for lesson in lessons() if load(lesson.scene) == self.session.scene]
-        self.predicted: int | str | None = None
-        self.answered = False
-        self._next = self._edits = 0
+        scene = self.alone or self.session.scene
+        self.own = [lesson for lesson in lessons() if load(lesson.scene) == scene]
+        self.answered = self._asked = False
+        self.explanations: list[str] = []
+        self._forget()
+
+    def _forget(self) -> None:
+        self.predictions: list[int] = []
+        self.typed: str | None = None
+        self._edits = max((step.number for step in self.session.undo_stack.done), default=0)
+
+    @property
+    def lesson(self) -> Lesson | None:
+        """The lesson to be answered next, or None."""
+        return self.own[len(self.predictions)] if len(self.predictions) < len(self.own) else None
+
+    @property
+    def _waits(self) -> bool:
+        """True if the scene has not been played yet. The questions about an edited scene are only shown on request."""
+        return not self.answered and (self._asked or not self.session.edited) and self.typed is None
 
     @property
     def question(self) -> str:
-        """The question to ask before the scene is played; empty if there is none or the scene has already been played."""
-        if self.answered or self.session.edited:
+        """The question to answer before the scene is played; empty without a question or after a run."""
+        if not self._waits:
             return ""
-        return _(self.own[0].question) if self.own else self.session.scene.question
-
-    def ask(self) -> None:
-        """Ask the next question about this scene."""
-        title = _("What do you predict?")
-        if self.own:
-            choices = {_(text): partial(self._predict, k) for k, text in enumerate(self.lesson.choices)}
-            self.host.choose(title, _(self.lesson.question), choices, neutral=True)
-        elif self.session.scene.question:
-            self.host.ask(title, self.session.scene.question, "", self._predict)
-        else:
-            scenes = ", ".join(dict.fromkeys(scene_words(load(lesson.scene).title) for lesson in lessons()))
-            self.host.messages.hint(_("there are lessons about: {scenes}", scenes=scenes))
+        if not self.own:
+            return self.session.scene.question
+        if self.lesson is None:
+            return ""
+        text = _(self.lesson.question)
+        return _("Upper row: {question}", question=text) if self.alone is not None else text
 
     @property
-    def lesson(self) -> Lesson:
-        """The current lesson."""
-        return self.own[self._next % len(self.own)]
+    def choices(self) -> Choices:
+        """The buttons below the question."""
+        if not self.question:
+            return {}
+        if self.lesson is None:
+            return {_("Type a prediction"): self._ask_typed}
+        return {_(text): partial(self._predict, k) for k, text in enumerate(self.lesson.choices)}
+
+    @property
+    def title(self) -> str:
+        """The title above the question, with its number if there are several."""
+        title = _("What do you predict?")
+        return f"{title} {len(self.predictions) + 1}/{len(self.own)}" if len(self.own) > 1 else title
+
+    def ask(self) -> None:
+        """Return to the start and ask all questions about this scene again."""
+        if not self.own and not self.session.scene.question:
+            scenes = ", ".join(dict.fromkeys(scene_words(load(lesson.scene).title) for lesson in lessons()))
+            self.host.messages.hint(_("there are lessons about: {scenes}", scenes=scenes))
+            return
+        self._forget()
+        self.answered, self._asked = False, True
+        self.clock.pause()
+        self.clock.restart()
+        self.host.follow()
+        if not self.own:
+            self._ask_typed()
+        elif not self.beside():
+            self._ask_in_dialog()
+
+    def _ask_in_dialog(self) -> None:
+        self.host.choose(self.title, self.question, self.choices, neutral=True)
+
+    def _ask_typed(self) -> None:
+        self.host.ask(_("What do you predict?"), self.session.scene.question, "", self._take_typed)
+
+    def _take_typed(self, text: str) -> None:
+        self._forget()
+        self.typed = text
+        self._play()
+
+    def _predict(self, choice: int) -> None:
+        """Take the choice for the present lesson. After the last lesson, play the scene."""
+        if not self.predictions:
+            self._forget()
+        self.predictions = [*self.predictions, choice]
+        self.host.follow()
+        if self.lesson is None:
+            self._play()
+        elif not self.beside():
+            self._ask_in_dialog()
+
+    def _play(self) -> None:
+        self.clock.pause()
+        self.clock.restart()
+        self.clock.play_pause()
 
     @property
     def _edited(self) -> bool:
         """True if the scene differs from the catalogue or a bead was pulled while it ran."""
         return self.session.edited or any(step.number > self._edits for step in self.session.undo_stack.done)
 
-    def _predict(self, choice: int | str) -> None:
-        self.predicted = choice
-        self._edits = max((step.number for step in self.session.undo_stack.done), default=0)
-        self.clock.pause()
-        self.clock.restart()
-        self.clock.play_pause()
-
     def update(self) -> None:
-        """Show the answer at the end of the motion."""
+        """Give the verdict at the end of the motion."""
         if not self.clock.end.reached:
             return
         self.answered = True
-        predicted, self.predicted = self.predicted, None
-        if isinstance(predicted, str):
-            self._tell(predicted)
-        elif predicted is not None:
-            self._answer(predicted)
-
-    def _tell(self, words: str, more: Choices | None = None) -> None:
-        """Show the prediction and the outcome of each bead."""
-        said = words if words.endswith((".", "!", "?")) else f"{words}."
-        text = _("You predicted: {words} What happened: {outcome}", words=said, outcome=outcome_text(self.session))
-        self.host.choose(_("What happened"), text, {_("Close"): lambda: None, **(more or {})})
-
-    def _answer(self, predicted: int) -> None:
-        """Show the measured answer and its explanation. An edited scene shows only the outcome, because the texts do
-        not apply to it.
-        """
-        lesson = self.lesson
-        answer = lesson.answer([session_outcome(self.session, lane) for lane in range(len(self.session.lanes))])
-        self._next += 1
-        more: Choices = {_("Next question"): self.ask} if self._next < len(self.own) else {}
-        if answer is None or self._edited:
-            self._tell(_(lesson.choices[predicted]), more)
+        verdict = self._verdict()
+        if not verdict:
             return
-        title = _("As you predicted") if answer == predicted else _("Not as you predicted")
-        note = _("What happened: {answer}. {why}", answer=_(lesson.choices[answer]), why=_(lesson.why[answer]))
-        self.host.choose(title, note, {_("Close"): lambda: None, **more})
+        self._forget()
+        if self.session.playing:  # The motion continues, and the card would be hidden.
+            text = f"{verdict}\n{outcome_text(self.session)}"
+            self.host.choose(_("What happened"), text, {_("Close"): lambda: None})
+        else:
+            self.card.show_outcome(verdict)
+
+    def _verdict(self) -> str:
+        """Return a sentence for each prediction; empty without a prediction. Note the explanations of the answers.
+
+        The texts do not apply to an edited scene, so its verdict only repeats the prediction.
+        """
+        if self.typed is not None:
+            words = self.typed if self.typed.endswith((".", "!", "?")) else f"{self.typed}."
+            return _("You predicted: {words}", words=words)
+        if not self.predictions:
+            return ""
+        outcomes = [session_outcome(self.session, lane) for lane in range(len(self.session.lanes))]
+        said, self.explanations = [], []
+        for lesson, choice in zip(self.own, self.predictions, strict=False):
+            answer, predicted = lesson.answer(outcomes), _(lesson.choices[choice])
+            if answer is None or self._edited:
+                said.append(_("You predicted: {words}", words=f"{predicted}."))
+                continue
+            self.explanations.append(_(lesson.why[answer]))
+            happened = _(lesson.choices[answer])
+            if answer == choice:
+                said.append(_("As you predicted: {answer}.", answer=happened))
+            else:
+                said.append(_("You predicted: {words}", words=f"{predicted}."))
+                said.append(_("What happened: {answer}.", answer=happened))
+        return " ".join(said)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +14,7 @@ from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import scene_words
 from softcradle.sandbox.motion import Array
+from softcradle.sandbox.session.history_slices import HistorySlice, history_slices
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.story.numbers import ROUND_OFF, fixed, scientific
 from softcradle.sandbox.window.page import Derived
@@ -62,6 +63,7 @@ def _chosen(plot: Plot, point: tuple[int, int], values: Array) -> list[int]:
 
 COLUMNS_AT_ONCE = 8  # Number of columns of each plot that are drawn before the clock is read again.
 DRAWING_SECONDS = 0.003  # Time in seconds that each frame spends on drawing missing columns.
+GHOST_POINTS = 600  # Number of points of the curves of a previous run.
 LEAST_WIDTH = 190.0  # Smallest width of a plot in design pixels.
 
 
@@ -73,6 +75,12 @@ def _balanced(names: list[Key], most: int) -> list[list[Key]]:
     count = -(-len(names) // most)
     ends = [round(k * len(names) / count) for k in range(count + 1)]
     return [names[begin:end] for begin, end in pairwise(ends)]
+
+
+def copied(part: HistorySlice) -> HistorySlice:
+    """Return a slice with its own arrays. The history reuses its memory."""
+    arrays = {one.name: getattr(part, one.name) for one in fields(part)}
+    return replace(part, **{name: one.copy() for name, one in arrays.items() if isinstance(one, np.ndarray)})
 
 
 class PlotBoard:
@@ -89,6 +97,7 @@ class PlotBoard:
         plots: the plots on the page.
         keys: kind and lane of each plot.
         overlays: measured data drawn over the plots, by kind and lane.
+        ghosts: motion of each lane in the previous run, in slices; empty before the second run.
         span: the time axis that the plots share.
     """
 
@@ -100,6 +109,7 @@ class PlotBoard:
         self.plots: list[Plot] = []
         self.keys: list[Key] = []
         self.overlays: dict[Key, list[NumbersOverlay | PictureOverlay]] = {}
+        self.ghosts: list[list[HistorySlice]] = []
         self.span = TimeSpan(SECONDS / session.slow, 100)
         self._last = -1  # Newest frame that has been drawn.
         self._spanned = Derived(lambda: (session.slow, self.whole, self._width), self._set_span)
@@ -141,6 +151,16 @@ class PlotBoard:
             half = (len(shown) + 1) // 2
             wanted = [wanted[0][:half], wanted[0][half:]]
         return [row for row in wanted if row]
+
+    def keep_ghost(self) -> None:
+        """Keep the motion up to now as the previous run, if a contact has carried a force in it."""
+        history = self.session.history
+        found = [
+            [copied(part) for part in history_slices(history, lane, history.first, history.last, GHOST_POINTS)]
+            for lane in range(len(self.session.lanes))
+        ]
+        if any(part.force.any() for parts in found for part in parts):
+            self.ghosts = found
 
     def toggle(self, name: str) -> None:
         """Show or hide a kind of plot."""
@@ -245,6 +265,8 @@ class PlotBoard:
         """Draw all plots with the cursor at the current frame."""
         for key, plot in zip(self.keys, self.plots, strict=True):
             plot.paint(surface, self.session.time, plot.values_at(self.session.frame))
+            if key[1] < len(self.ghosts):
+                plot.paint_ghost(surface, self.ghosts[key[1]])
             for laid in self.overlays.get(key, ()):
                 laid.paint(surface, plot)
 

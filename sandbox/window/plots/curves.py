@@ -10,14 +10,16 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 from softcradle.sandbox.draw.axes import TEXT, Axes, VerticalAxis
-from softcradle.sandbox.draw.palette import Colour, tones
-from softcradle.sandbox.draw.supersampling import SUBPIXELS
+from softcradle.sandbox.draw.palette import Colour, mix, tones
+from softcradle.sandbox.draw.supersampling import SUBPIXELS, Point
 from softcradle.sandbox.draw.surfaces import cached_surfaces
-from softcradle.sandbox.draw.text import shortened, width
+from softcradle.sandbox.draw.text import shortened, width, write
+from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.session.frame_history import History
 from softcradle.sandbox.session.history_slices import history_slices, slice_at
 from softcradle.sandbox.story.numbers import fixed, ticks, time_unit, with_prefix
+from softcradle.sandbox.window.page import Derived
 
 REDRAWN = 4  # Columns at the newest end that are drawn again, because the curve continues there.
 
@@ -172,7 +174,7 @@ class TimeSpan:
 
     def ticks(self) -> list[tuple[float, str]]:
         """Return (time [s], label) of the visible round times."""
-        size, _ = self.unit()
+        size = self.unit()[0]
         low, high = self.left * self.column / size, (self.left + self.width) * self.column / size
         return [(value * size, text) for value, text in ticks(low, high, 5)]
 
@@ -185,6 +187,8 @@ SMOOTH_TURN = 0.97  # Cosine of the largest turn of a curve that is drawn withou
 MOST_MARKED = 10  # Largest number of curves that get a marker at the cursor.
 # Largest stretched size of old curves relative to the plot. Beyond it the curves are redrawn at once.
 MOST_STRETCHED = 6
+GHOST = 0.5  # Share of its colour in a curve of the previous run. The background has the rest.
+MOST_BEYOND = 2000  # Largest distance of a point of these curves from the plot [pixels], beyond which it is left out.
 VEIL_OPACITY = 150  # Opacity of the veil over the part after the cursor, from 0 to 255.
 
 
@@ -235,6 +239,9 @@ class Plot(Axes):
         super().__init__(rect, unit, content.axis, MARGINS)
         self.content, self.history, self.lane, self.span = content, history, lane, span
         self.curves = ScrollingSurface(self._background(), self.draw_columns)
+        self._ghost_of: Sequence[Motion] = ()
+        self._ghost = pygame.Surface((1, 1))
+        self._ghost_drawn = Derived(lambda: (id(self._ghost_of), span.left, span.column), self._draw_ghost)
 
     def _background(self) -> pygame.Surface:
         background = pygame.Surface(self.area.size, 0, 32)
@@ -342,6 +349,31 @@ class Plot(Axes):
         surface.fill(tones.muted, (round(place), area.top, max(1, round(self.unit)), area.height))
         if self.marked and len(self.content.names) <= MOST_MARKED:
             self._markers(surface, place, values)
+
+    def paint_ghost(self, surface: pygame.Surface, parts: Sequence[Motion]) -> None:
+        """Draw the curves of a previous run faintly over this plot, if its axes suit them."""
+        if not (self.timed and self.at_values):
+            return
+        self._ghost_of = parts
+        self._ghost_drawn.follow()
+        surface.blit(self._ghost, self.area)
+        place = self.area.right, self.area.top - 5 * self.unit
+        write(surface, _("faint: previous run"), place, TEXT * self.unit, tones.muted, align=(1, 1))
+
+    def _draw_ghost(self) -> None:
+        """Draw the curves of the previous run on a transparent surface."""
+        self._ghost = pygame.Surface(self.area.size, pygame.SRCALPHA, 32)
+        self._ghost.fill((*tones.background, 0))
+        points: list[list[Point]] = [[] for _colour in self.content.colours]
+        for part in self._ghost_of:
+            across = (part.time / self.span.column - self.span.left).tolist()
+            down = self.y(self.axis.on(self.content.values(part)))
+            for k in range(min(down.shape[1], len(points))):
+                points[k] += zip(across, down[:, k].tolist(), strict=True)
+        for colour, line in zip(self.content.colours, points, strict=True):
+            seen = [point for point in line if -MOST_BEYOND < point[0] < self.area.width + MOST_BEYOND]
+            if len(seen) > 1:
+                pygame.draw.aalines(self._ghost, mix(tones.background, colour, GHOST), False, seen)
 
     def _paint_veil(self, surface: pygame.Surface, x: int) -> None:
         """Fade the curves after the cursor, because a new branch will replace them."""

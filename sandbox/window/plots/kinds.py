@@ -14,8 +14,8 @@ from softcradle.sandbox.draw.palette import Colour, bead_colours, tones
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.languages import N_, NP_, _
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.quantities import BEAD, CHAIN, CONTACT, FORCE, OVERLAP, QUANTITIES, VELOCITY, Quantity
 from softcradle.sandbox.story.numbers import subscript
-from softcradle.sandbox.story.terms import BEAD, CHAIN, CONTACT, FORCE, OVERLAP, QUANTITIES, VELOCITY, Quantity
 from softcradle.sandbox.window.plots.curves import Plot, PlotContent
 from softcradle.sandbox.window.plots.shapes import DifferencePlot, KymographPlot, PhasePlot, StackedPlot, StripPlot
 

@@ -20,6 +20,12 @@ LEAST_FRAMES = FRAME_RATE // 2  # Smallest number of frames shown after the last
 MOST_FRAMES = 5 * FRAME_RATE  # The same number if the beads separate slowly.
 
 
+# Factor by which the clock runs faster before the first contact in Explore, so that nobody waits for it.
+APPROACHING = 4.0
+# Wall time [s] before the first contact in which the clock already runs as shown.
+NEAR = 0.5
+
+
 class EndOfMotion:
     """Pauses a session once at the end of its motion and calls `ended`. A replay ends where its recording ends.
 
@@ -69,10 +75,12 @@ class SceneClock:
     Attributes:
         end: pauses at the end of the motion.
         controls: time controls; a changed slow motion is applied when the scene continues.
+        collided: returns True if a contact has carried a force since the start.
         actions: actions with keys.
     """
 
     controls: SceneTimeControls
+    collided: Callable[[], bool]
 
     def __init__(
         self,
@@ -169,6 +177,7 @@ class SceneClock:
         """Return to the start. A session keeps its edits, and keeps playing if it was playing."""
         playing = self.activity() != "paused"
         self.view.reset_camera()
+        self.end.reached = False
         if self.replay is not None and not self.replay.left:
             self.replay.restart()
             self.replay.playing = playing
@@ -177,6 +186,20 @@ class SceneClock:
         if playing:
             self.session.play()
 
+    def play_again(self) -> None:
+        """Play from the start, to which an edit has returned."""
+        self.end.reached = False
+        if not self.editor.preparing:
+            self.controls.apply_slow()
+            self.session.play()
+
+    def _pace(self) -> float:
+        """Return how many times faster the clock runs in Explore while beads are far from their first contact."""
+        session = self.session
+        if not self.host.explore or not session.playing or session.held.lane >= 0.0 or self.collided():
+            return 1.0
+        return APPROACHING if session.until_contact() * session.slow > NEAR else 1.0
+
     def tick(self, seconds: float) -> None:
         """Advance by `seconds` of wall time."""
         running, moving = self._running, self.activity() != "paused"
@@ -184,7 +207,7 @@ class SceneClock:
         if self.replay is None and self.may_edit():
             self.controls.apply_slow()
         if running is None:
-            frames = self.session.tick(seconds)
+            frames = self.session.tick(seconds * self._pace())
         elif self.session.scrubbed:
             running.playing = False
         else:

@@ -11,6 +11,7 @@ from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.inputs import AddBead, Input, LaneInput, Lock, RemoveBead, SetKind, SetMethod
 from softcradle.sandbox.session.session import Session
+from softcradle.sandbox.story.bodies import BODIES, body_word, capital
 from softcradle.sandbox.story.numbers import subscript
 from softcradle.sandbox.window.page import Host
 
@@ -28,7 +29,8 @@ def pick_title(session: Session, pick: Pick) -> str:
     """Return the title of a bead or contact with its number; if there are two lanes, also the label of its lane."""
     if pick.kind == "bead":
         wall = math.isinf(session.lanes[pick.lane].chain.mass[pick.index])
-        title = _("Wall {number}", number=pick.index) if wall else _("Bead {number}", number=pick.index)
+        body = capital(BODIES[body_word(session.lanes[pick.lane].chain)].words()["one"])
+        title = _("Wall {number}", number=pick.index) if wall else f"{body} {pick.index}"
     else:
         title = _("Contact {number}", number=subscript(pick.index, pick.index + 1))
     label = scene_words(session.label(pick.lane))

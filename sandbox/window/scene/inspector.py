@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 import pygame
@@ -20,13 +21,13 @@ from softcradle.sandbox.draw.palette import bead_colours, tones
 from softcradle.sandbox.draw.supersampling import draw_marker
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import N_, NP_, _, error_words, pgettext, scene_words
+from softcradle.sandbox.quantities import VELOCITY
 from softcradle.sandbox.session.contact_conversion import kind_of
 from softcradle.sandbox.session.editable_numbers import Parameter, Variant, parameters, variant_of
 from softcradle.sandbox.session.inputs import Input, SetContact, SetKind, SetMass
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.story.numbers import subscript
-from softcradle.sandbox.story.terms import VELOCITY
-from softcradle.sandbox.window.dialog import Overlay, paint_box
+from softcradle.sandbox.window.dialog import Choices, Overlay, paint_box
 from softcradle.sandbox.window.keys import hint
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.plots.scales import motions_ahead
@@ -186,44 +187,101 @@ TIPS = N_("Click a bead or a contact to change it. Drag a bead and throw it. Spa
 CHANGED = N_("You changed this scene, so its description no longer fits. Press Play.")
 
 
-PREDICT = N_("Predict first (Q), or press Play. The explanation comes afterwards.")
+PREDICT = N_("Choose an answer, or press Play. The explanation comes afterwards.")
 
 
-def about(session: Session, question: str) -> tuple[str, str, str]:
-    """Return a title, the text of the scene and its source.
+CHOICE, CHOICE_GAP = 30.0, 6.0  # Height of a button with a choice and distance of two, in design pixels.
+ABOUT_TITLE = 31.0  # Height in design pixels of the title above a text.
 
-    Until the `question` is answered, it is returned instead. For an edited scene, a note says that the text no longer
-    fits.
+
+class Questions(Protocol):
+    """The questions that are asked before a scene is played."""
+
+    @property
+    def title(self) -> str:
+        """The title above the question."""
+
+    @property
+    def question(self) -> str:
+        """The question; empty without a question."""
+
+    @property
+    def choices(self) -> Choices:
+        """The buttons below the question."""
+
+    @property
+    def explanations(self) -> Sequence[str]:
+        """Sentences that explain the answers."""
+
+
+@dataclass(frozen=True)
+class NoQuestions:
+    """No question at all."""
+
+    title: str = ""
+    question: str = ""
+    choices: Choices = field(default_factory=dict)
+    explanations: Sequence[str] = ()
+
+
+def about(session: Session, questions: Questions, sources: bool) -> tuple[str, str, str]:
+    """Return a title, the text of the scene and, if `sources`, its source.
+
+    Until the question is answered, it is returned instead. For an edited scene, a note says that the text no longer fits.
     """
     scene = session.scene
-    if question:
-        return _("What do you predict?"), question, _(PREDICT)
-    if session.edited and (scene.text or scene.source):
+    if questions.question:
+        return questions.title, questions.question, _(PREDICT)
+    if session.edited and (scene.text or (scene.source and sources)):
         return _("About this scene"), _(CHANGED), ""
-    text, source = scene_words(scene.text), scene_words(scene.source)
+    text, source = scene_words(scene.text), scene_words(scene.source) if sources else ""
+    text = " ".join([text, *questions.explanations]).strip()
     return _("About this scene") if text or source else "", text, source
 
 
-def paint_about(surface: pygame.Surface, rect: pygame.Rect, unit: float, session: Session, question: str) -> str:
+def choice_places(rect: pygame.Rect, unit: float, questions: Questions) -> list[pygame.Rect]:
+    """Return the rectangles of the choices below the question in `rect`. The list is empty if they do not fit."""
+    size, count = 13 * unit, len(questions.choices)
+    y = rect.top + ABOUT_TITLE * unit + 1.4 * size * len(wrapped(questions.question, size, rect.width)) + 8 * unit
+    pitch = (CHOICE + CHOICE_GAP) * unit
+    if y + count * pitch > rect.bottom:
+        return []
+    return [pygame.Rect(rect.left, round(y + k * pitch), rect.width, round(CHOICE * unit)) for k in range(count)]
+
+
+def paint_about(
+    surface: pygame.Surface,
+    rect: pygame.Rect,
+    unit: float,
+    session: Session,
+    questions: Questions,
+    choices: Sequence[pygame.Rect] = (),
+    sources: bool = True,
+) -> str:
     """Draw the text about the scene into `rect`, below its title. Draw nothing if there is no space for a line.
 
-    Return the complete text if it does not fit into `rect`, otherwise an empty string.
+    `choices` are the rectangles of the buttons below a question. Return the complete text if it does not fit into `rect`,
+    otherwise an empty string.
     """
     size = 13 * unit
     tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
     low = pygame.Rect(rect.left, rect.bottom - tips, rect.width, tips)
+    if choices and low.top < choices[-1].bottom + 8 * unit:
+        low.top, low.height = rect.bottom, 0
     write_wrapped(surface, _(TIPS), low, size, tones.muted)
-    title, text, more = about(session, question)
-    place = pygame.Rect(rect.left, round(rect.top + 31 * unit), rect.width, 0)
+    title, text, more = about(session, questions, sources)
+    place = pygame.Rect(rect.left, round(rect.top + ABOUT_TITLE * unit), rect.width, 0)
     place.height = max(0, low.top - place.top - round(8 * unit))
     if place.height < 1.4 * size:
         return f"{text} {more}"
     write(surface, title, (rect.left, rect.top + 4 * unit), 16 * unit, tones.foreground, bold=True)
     whole = fits(text, place, size)
     end = write_wrapped(surface, text, place, size, tones.foreground)
+    if choices:
+        end = float(choices[-1].bottom)
     place.top, place.height = round(end + 8 * unit), max(0, round(low.top - end - 16 * unit))
     write_wrapped(surface, more, place, size, tones.muted)
-    return "" if whole and fits(more, place, size) else f"{text} {more}"
+    return "" if whole and (choices or fits(more, place, size)) else f"{text} {more}"
 
 
 ROW = 40.0  # Height of a parameter in design pixels.
@@ -246,14 +304,17 @@ class Inspector:
         controls: widgets of the parameters, by key.
         buttons: the other widgets.
         reset_view: moves the view back to the part of the line that was shown first.
+        keep_ghost: keeps the curves of the present run, to be compared with those of the next run.
     """
 
     reset_view: Callable[[], None]
+    keep_ghost: Callable[[], None]
 
     def __init__(self, host: Host, session: Session, editor: SceneEditor) -> None:
         self.host, self.session, self.editor = host, session, editor
         self.rect = pygame.Rect(0, 0, 0, 0)
-        self.question: Callable[[], str] = str  # Returns the question that is asked before the scene is played.
+        self.questions: Questions = NoQuestions()  # Questions that are asked before the scene is played.
+        self.choices: list[pygame.Rect] = []  # Rectangles of the buttons with the choices of a question.
         self.pick: Pick | None = None
         self.controls: dict[str, Control] = {}
         self.buttons: list[UIButton] = []
@@ -277,7 +338,8 @@ class Inspector:
             self._made.follow()
 
     def _made_of(self) -> object:
-        return self.editor.selection, self.session.setup.chains
+        questions = self.questions
+        return self.editor.selection, self.session.setup.chains, questions.title, questions.question
 
     def _remake(self) -> None:
         for control in self.controls.values():
@@ -288,8 +350,11 @@ class Inspector:
         self._make()
 
     def _make(self) -> None:
-        self.pick = self.editor.selection
-        if self.pick is None or self.rect.width == 0:
+        self.pick, self.choices = self.editor.selection, []
+        if self.rect.width == 0:
+            return
+        if self.pick is None:
+            self._make_choices(self.rect)
             return
         unit = self.host.unit
         y = self.rect.top + 31 * unit
@@ -304,6 +369,12 @@ class Inspector:
             y += ROW * unit
         for k, row in enumerate(self._knobs(self.pick)):
             self._row(y + (4 + 34 * k) * unit, row)
+
+    def _make_choices(self, rect: pygame.Rect) -> None:
+        """Create a button for each choice of the question in `rect`, if they fit."""
+        self.choices = choice_places(rect, self.host.unit, self.questions)
+        for place, (text, command) in zip(self.choices, self.questions.choices.items(), strict=False):
+            self.buttons.append(UIButton(place, text, self.host.manager, object_id="#chip", command=command))
 
     def _parameters(self) -> list[Parameter]:
         """Return the parameters for which there are controls."""
@@ -416,6 +487,8 @@ class Inspector:
         edits.
         """
         moved = self.session.frame != 0 or self.session.scrubbed
+        if moved:
+            self.keep_ghost()
         taken = self.editor.apply_all(items, gesture, anew=True, trial=self.host.explore)
         if taken and moved:
             self.reset_view()
@@ -508,7 +581,7 @@ class Inspector:
         if rect.width == 0:
             return
         if self.pick is None:
-            self._whole = rect, paint_about(surface, rect, unit, self.session, self.question())
+            self._whole = rect, paint_about(surface, rect, unit, self.session, self.questions, self.choices)
             return
         self._whole = rect, ""
         self._title(surface, self.pick)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import pygame
 from softcradle.sandbox.languages import _, scene_words
@@ -12,12 +11,14 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.window.dialog import EntryDialog
 from softcradle.sandbox.window.lessons.runner import LessonRunner
 from softcradle.sandbox.window.page import Actions, Derived, Host, Page
+from softcradle.sandbox.window.page_geometry import least_height
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.scene.clock import SceneClock
 from softcradle.sandbox.window.scene.editor import SceneEditor
-from softcradle.sandbox.window.scene.explore_panel import ExplorePanel, OutcomeCard
+from softcradle.sandbox.window.scene.explore_panel import ExplorePanel
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_cards import LaneCards
+from softcradle.sandbox.window.scene.outcome_card import OutcomeCard
 from softcradle.sandbox.window.scene.pointer_tool import PointerTool
 from softcradle.sandbox.window.scene.save_dialogs import SaveDialogs, WindowFilm, session_savings
 from softcradle.sandbox.window.scene.sound import SceneSound
@@ -25,6 +26,7 @@ from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Tim
 from softcradle.sandbox.window.scene.toolbar import Toolbar
 from softcradle.sandbox.window.scene.tools import SceneTools, ViewKeys
 from softcradle.sandbox.window.scene.view import SceneView
+from softcradle.sandbox.window.scene.why_view import WhyView
 from softcradle.sandbox.window.unsaved_scene import UnsavedScene
 from softcradle.scenes import Scene
 
@@ -63,8 +65,10 @@ class ScenePage(Page):
         self.inspector = Inspector(host, session, self.editor)
         self.explore = ExplorePanel(host, session, self.editor, lambda: self.cards.health)
         self.panels = (self.inspector, self.explore)
-        self.outcome = OutcomeCard(host, session, self.board, partial(host.act, "compare_balls"))
-        self.view = SceneView(host, session, self.editor, self.board, self.panels, self.outcome, self._answered)
+        self.outcome, self.why = OutcomeCard(host, session), WhyView(host, session)
+        self.view = SceneView(
+            host, session, self.editor, self.board, self.panels, self.outcome, self.why, self._answered
+        )
         self.timeline = Timeline(session)
         self.clock = SceneClock(host, session, self.editor, self.view, self.timeline, replay, self.outcome.show_outcome)
         clock = self.clock
@@ -79,10 +83,12 @@ class ScenePage(Page):
         self.tools = SceneTools(host, session, self.editor, self.view, self.board, self.show_scene, alone)
         self.unsaved_scene = UnsavedScene(host, session)
         self._called_unsaved = False
-        self.lessons = LessonRunner(host, session, self.clock)
+        self.lessons = LessonRunner(host, session, self.clock, self.outcome, alone, self._asks_beside)
         for panel in self.panels:
-            panel.question = lambda: self.lessons.question
-            panel.reset_view = self.view.reset_camera
+            panel.questions = self.lessons
+            panel.reset_view, panel.keep_ghost = self.view.reset_camera, self.board.keep_ghost
+        self.explore.play_again = self.clock.play_again
+        self.clock.collided = lambda: self.why.available
         self._kernels = Derived(self._moved_of, self.editor.check_kernels)
         self._edits = Derived(lambda: session.setup.chains, self.view.follower.notice)
         self._words = Derived(lambda: session.scene, self.lessons.begin)
@@ -91,6 +97,7 @@ class ScenePage(Page):
         own: Actions = {
             "lesson": self.lessons.ask,
             "words": self.ask_words,
+            "why": self.explain,
             **self.toolbar.actions,
             "sound": self.sound.toggle,
             "help": host.toggle_help,
@@ -105,6 +112,18 @@ class ScenePage(Page):
     def sweep(self) -> None:
         """Show nine values of a slider in the visible panel."""
         (self.explore if self.host.explore else self.inspector).sweep()
+
+    def explain(self) -> None:
+        """Explain the collision at the largest force of each row, or close the explanation.
+
+        Show a dialog if the picture does not fit.
+        """
+        self.outcome.hide()
+        self.board.hidden = self.view.plots_covered = False
+        self.why.toggle()
+        if self.why.rows and not self.view.plots_area().height:
+            self.host.choose(_("Why?"), self.why.words, {_("Close"): lambda: None})
+            self.why.hide()
 
     def show_scene(self, scene: Scene, alone: Scene | None = None, then: str | None = None) -> None:
         """Replace this page by a scene made from its first row, and perform the action `then` on the new page.
@@ -158,6 +177,11 @@ class ScenePage(Page):
         return self.session.scene.title
 
     @property
+    def least_height(self) -> float:  # type: ignore[override]
+        """The height that all lanes and a row of plots need [design pixels]."""
+        return least_height(len(self.session.lanes))
+
+    @property
     def typing(self) -> bool:  # type: ignore[override]
         """True while a number is being typed."""
         return any(panel.typing for panel in self.panels)
@@ -193,6 +217,8 @@ class ScenePage(Page):
         """Deselect, or hide the card. If there is neither a selection nor a card, return to the gallery."""
         if self.editor.selection is not None:
             self.editor.selection = None
+        elif self.why.rows:
+            self.why.hide()
         elif self.outcome.text:
             self.outcome.hide()
         else:
@@ -202,8 +228,12 @@ class ScenePage(Page):
         """Return the rectangle for messages: next to the clock, or on the timeline."""
         return self.time_controls.beside(self.view.places.footer)
 
-    def _answered(self) -> bool:
-        return self.lessons.answered
+    def _answered(self) -> object:
+        return self.lessons.answered, self.lessons.title, self.lessons.question, self.lessons.explanations
+
+    def _asks_beside(self) -> bool:
+        """Return True if the visible panel shows the choices of the question."""
+        return self.view.panel_shown and any(panel.choices for panel in self.panels)
 
     def _moved_of(self) -> object:
         """Return the values that decide if kernels can move the lanes in real time."""
@@ -231,7 +261,6 @@ class ScenePage(Page):
         lab, few = (nowhere, panel) if self.host.explore else (panel, nowhere)
         self.inspector.build(self.cards.build(lab, self.editor.selection is not None))
         self.explore.build(few)
-        self.outcome.build(places.card)
         self.view.follow()
 
     def handle(self, event: pygame.Event) -> bool:
@@ -263,6 +292,8 @@ class ScenePage(Page):
         self.timeline.update()
         self.cards.update(seconds)
         self.toolbar.update()
+        self.time_controls.explained = self.why.available
+        self.time_controls.follow_why()
         for panel in self.panels:
             panel.update(seconds)
         self.sound.update(self.view.scales.scales.force)
@@ -286,7 +317,7 @@ class ScenePage(Page):
         self._kernels.follow()
         self._edits.follow()
         self.view.follow()
-        self.outcome.follow(self.view.places.card)
+        self.outcome.follow(self.view.lanes)
         self.timeline.follow()
         self.tools.values.arrange()
         for panel in self.panels:
@@ -316,7 +347,7 @@ class ScenePage(Page):
             if panel.rect.width:
                 panel.paint_over(surface, point)
         self.cards.paint_over(surface, point)
-        if not self.tools.covers_plots:
+        if not self.tools.covers_plots and not self.why.rows:
             self.board.paint_reading(surface, point)
         self.tools.paint_over(surface)
         self.timeline.paint_reading(surface, point)

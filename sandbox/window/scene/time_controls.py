@@ -10,7 +10,7 @@ import pygame_gui
 from pygame_gui.elements import UIButton
 from softcradle.sandbox.draw.palette import bead_colours, mix, tones
 from softcradle.sandbox.draw.scene_picture import speed_text
-from softcradle.sandbox.draw.text import shortened, write
+from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.session.contact_events import ContactEvents
 from softcradle.sandbox.session.frame_pacing import FramePacer
@@ -193,6 +193,8 @@ class TimeControls:
     def __init__(self, host: Host, activity: Callable[[], str]) -> None:
         self.host, self.activity, self.slow = host, activity, 1.0
         self.buttons: dict[str, UIButton] = {}
+        self.why: UIButton | None = None
+        self.explained = True  # True if there is something to explain.
         self.slider: Slider | None = None
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]]) -> None:
@@ -207,10 +209,24 @@ class TimeControls:
                     place, "", self.host.manager, object_id=style, tool_tip_text=tip, command=actions[name]
                 )
                 x = place.right + round(8 * unit)
+        self.why = None
+        if "why" in actions:
+            text, tip = _("Why?"), hint("why")
+            place = pygame.Rect(x, rect.centery - side // 2, width(text, 13 * unit) + round(24 * unit), side)
+            self.why = UIButton(
+                place, text, self.host.manager, object_id="#primary", tool_tip_text=tip, command=actions["why"]
+            )
+            x = place.right + round(8 * unit)
+            self.follow_why()
         self.slow_left = x + round((GAP - 8.0) * unit)
         place = pygame.Rect(self.slow_left, rect.centery + round(2 * unit), round(SLOW_ROOM * unit), round(14 * unit))
         self.slider = Slider(place, self._share(), (0.0, 1.0), self.host.manager)
         self.clock_left = place.right + round(GAP * unit)
+
+    def follow_why(self) -> None:
+        """Enable the button "Why?" if there is something to explain."""
+        if self.why is not None and self.why.is_enabled != self.explained:
+            (self.why.enable if self.explained else self.why.disable)()
 
     def beside(self, footer: pygame.Rect) -> pygame.Rect:
         """Return the rectangle of the `footer` next to the clock; if it is too narrow, the rectangle of the timeline."""

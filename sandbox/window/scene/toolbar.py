@@ -22,13 +22,14 @@ BUTTONS = {
     "film": "",
     "undo": N_("Undo"),
     "redo": N_("Redo"),
+    "sound": N_("Sound"),
     "share": N_("Share"),
     "plots_menu": N_("Plots"),
     "tools": N_("More"),
     "level": N_("Explore"),
     "help": N_("Help"),
 }
-FEW = ("film", "undo", "share", "tools", "level", "help")
+FEW = ("film", "undo", "sound", "share", "tools", "level", "help")
 MENUS: dict[str, tuple[str, ...]] = {
     "share": (
         *("save_scene", "words", "save_session", "export", "live_page", "share_page", "film"),
@@ -36,7 +37,7 @@ MENUS: dict[str, tuple[str, ...]] = {
     ),
     "plots_menu": (*PLOT_KINDS, "signals", "logarithmic", "plots", "values", "data"),
     "tools": (
-        *("lesson", "tell", "compare", "compare_balls", "alone", "sweep", "arrows", "stopwatch", "ruler", "fit"),
+        *("lesson", "why", "tell", "compare", "compare_balls", "alone", "sweep", "arrows", "stopwatch", "ruler", "fit"),
         *("pause_at_end", "sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
     ),
 }
@@ -106,7 +107,8 @@ class Toolbar:
         """Action and text of each button at the present level. The button of a film exists only while a film is
         recorded.
         """
-        shown = {**{name: BUTTONS[name] for name in FEW}, "level": N_("Lab")} if self.host.explore else BUTTONS
+        few = {**{name: BUTTONS[name] for name in FEW}, "level": N_("Lab")}
+        shown = few if self.host.explore else {name: text for name, text in BUTTONS.items() if name != "sound"}
         return {name: text for name, text in shown.items() if name != "film" or self.film.recording}
 
     def _is_known(self, name: str, actions: Mapping[str, object]) -> bool:

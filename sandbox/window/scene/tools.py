@@ -216,6 +216,14 @@ def beside_other_balls(session: Session) -> Scene:
     return found.model_copy(update={"lanes": (first, second), "text": text})
 
 
+def worth_comparing(session: Session) -> bool:
+    """Return True if a scene shows its effect best next to steel balls: one row of soft beads that nothing else moves."""
+    chain = session.lanes[0].chain
+    free = not (chain.piecewise or chain.driven or chain.brakes or chain.on_bed or chain.walls)
+    soft = chain.contacts > 1 and has_soft_contacts(chain)
+    return len(session.lanes) == 1 and free and soft and session.scene.duration is None
+
+
 def beside_itself(scene: Scene) -> Scene:
     """Return the first lane of a scene together with a copy of it, to be edited and compared. The text applies to both
     lanes.
@@ -314,7 +322,7 @@ class SceneTools:
 
     def toggle_values(self) -> None:
         """Switch between the plots and the table of values."""
-        self.view.card.hide()
+        self.view.why.hide()
         self.view.plots_covered = not self.view.plots_covered
         self.host.follow()
         if not self.view.places.plots:
@@ -354,7 +362,13 @@ class SceneTools:
 
     def compare_balls(self) -> None:
         """Open the scene together with the same blow with steel balls or soft beads, and play both."""
+        self._keep_choice(beside=True)
         self._open_beside(lambda: beside_other_balls(self.session), "play_pause")
+
+    def _keep_choice(self, beside: bool) -> None:
+        """Store whether Explore opens the next scenes next to steel balls."""
+        if self.host.explore:
+            self.host.settings.keep(beside=beside)
 
     def _open_beside(self, make: Callable[[], Scene], then: str | None = None) -> None:
         """Open the scene that `make` returns and perform the action `then`. Show a message if the scene cannot be made."""
@@ -376,6 +390,7 @@ class SceneTools:
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             return
+        self._keep_choice(beside=False)
         words = words_for(self.before or self.session.scene, scene.lanes[:1])
         changed = {**words, "lanes": scene.model_dump()["lanes"][:1]}
         self.open_scene(Scene.model_validate({**scene.model_dump(), **changed}), None, None)

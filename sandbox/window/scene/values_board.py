@@ -10,11 +10,11 @@ import pygame
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import _, pgettext
+from softcradle.sandbox.quantities import BEAD, CONTACT, KINETIC, MASS, MOMENTUM, RATE, STORED
 from softcradle.sandbox.session.live_lane import LiveLane
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.values_table import SET_COLUMNS, ValuesTable, columns_of, values_table
 from softcradle.sandbox.story.numbers import MINUS, scientific
-from softcradle.sandbox.story.terms import BEAD, CONTACT, KINETIC, MASS, MOMENTUM, RATE, STORED
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 

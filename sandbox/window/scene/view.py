@@ -26,9 +26,10 @@ from softcradle.sandbox.window.plots.scales import (
     motions_ahead,
 )
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
-from softcradle.sandbox.window.scene.explore_panel import OutcomeCard
 from softcradle.sandbox.window.scene.inspector import Inspector
 from softcradle.sandbox.window.scene.lane_view import LaneView, SessionLanes
+from softcradle.sandbox.window.scene.outcome_card import OutcomeCard
+from softcradle.sandbox.window.scene.why_view import WhyView
 
 ZOOM = 1.25  # Zoom factor of one step.
 MARGIN = 0.04  # Margin beyond the outermost beads after framing, as a fraction of the width.
@@ -123,10 +124,11 @@ class SceneView:
         board: PlotBoard,
         panels: Sequence[Inspector],
         card: OutcomeCard,
-        answered: Callable[[], bool],
+        why: WhyView,
+        answered: Callable[[], object],
     ) -> None:
         self.host, self.session, self.editor, self.board = host, session, editor, board
-        self.panels, self.card, self.answered = panels, card, answered
+        self.panels, self.card, self.why, self.answered = panels, card, why, answered
         self.lanes: list[LaneView] = []
         self.panel_shown, self.plots_covered = True, False
         self.first_row = self.row_count = 0
@@ -182,16 +184,16 @@ class SceneView:
         size, unit = self.host.size, self.host.unit
         room = plots_width(size, unit, self.panel_shown)
         rows, lanes, explore = self.board.rows(room), len(self.session.lanes), self.host.explore
-        most, card = fitting(size, unit, lanes, explore, self.card.height(round(room * unit)))
+        most = fitting(size, unit, lanes, explore)
         self.row_count = len(rows)
         self.first_row = min(max(self.first_row, 0), max(0, len(rows) - most))
         self.rows = rows[self.first_row : self.first_row + most]
-        return geometry(size, unit, lanes, [len(row) for row in self.rows], self.panel_shown, explore, card)
+        return geometry(size, unit, lanes, [len(row) for row in self.rows], self.panel_shown, explore)
 
     def plots_area(self) -> pygame.Rect:
         """Return the rectangle that contains all plots."""
         places = [rect for row in self.places.plots for rect in row]
-        return places[0].unionall(places)
+        return places[0].unionall(places) if places else pygame.Rect(0, 0, 0, 0)
 
     def next_arrows(self) -> None:
         """Switch the arrows to the next quantity in ARROWS."""
@@ -199,8 +201,8 @@ class SceneView:
         self.arrows = names[(names.index(self.arrows) + 1) % len(names)]
 
     def show_plot(self, kind: str) -> None:
-        """Show a kind of plot. Scroll to its row if necessary and hide the card."""
-        self.card.text = ""
+        """Show a kind of plot. Scroll to its row if necessary."""
+        self.why.hide()
         self.board.show(kind)
         self.host.follow()
         self.say_if_plots_have_no_room()
@@ -296,8 +298,8 @@ class SceneView:
     def _drawn_of(self) -> object:
         board, camera, lanes = self.board, self.camera, self.session.setup.chains
         plots = board.present, board.single, board.logarithmic, board.pair, self.first_row, self.panel_shown
-        shown = self.scales.scales, camera.width, camera.automatic, self.arrows
-        return self.host.look, self.session.scene, lanes, self.session.history.cuts, plots, shown, self.card.text
+        shown = self.scales.scales, camera.width, camera.automatic, self.arrows, bool(self.card.paragraphs)
+        return self.host.look, self.session.scene, lanes, self.session.history.cuts, plots, shown, self.why.rows
 
     def _draw(self) -> None:
         """Create beads and plots again."""
@@ -306,22 +308,29 @@ class SceneView:
         self.scales.reset_lanes(lanes)
         scales = self.camera.window(self.scales.scales)
         drawn = SessionLanes.of(self.session)
+        own = [replace(scales, force=row.force) for row in self.why.rows] or [scales] * len(places.lanes)
         self.lanes = [
-            LaneView(k, (rect, places.insets, places.energy_bars), unit, drawn, scales)
+            LaneView(k, (rect, places.insets, places.energy_bars), unit, drawn, own[k])
             for k, rect in enumerate(places.lanes)
         ]
         for lane in self.lanes:
             lane.drawing.arrows = self.arrows
-        self.board.whole = bool(self.card.text)
+        for lane, row in zip(self.lanes, self.why.rows, strict=False):
+            if row.approach is not None:
+                lane.take_approach(*row.approach)
+        self.board.whole = bool(self.card.paragraphs or self.why.rows)
         self.board.build(self.rows, places.plots, unit, scales)
+        self.why.build(self.plots_area(), self.lanes)
 
     def update(self, seconds: float) -> None:
         """Update the view to the present state of the lanes."""
         lanes = self.session.lanes
         if not self.editor.preparing:
             self.follower.update(seconds)
-        self.motions = [lane.motion for lane in lanes]
-        self._follow_collisions()
+        self.why.update()
+        self.motions = [row.motion for row in self.why.rows] or [lane.motion for lane in lanes]
+        if not self.why.rows:
+            self._follow_collisions()
         self._framed.follow()
         self.camera.keep_in_sight(lanes, self.session.scene.view.length, self._visible())
         self._grown.follow()
@@ -354,7 +363,9 @@ class SceneView:
             lane.paint(surface, motion, self.camera.centre)
         if pick is not None:
             self.lanes[pick.lane].paint_pick(surface, pick)
-        if not self.plots_covered:
+        if self.why.rows:
+            self.why.paint(surface)
+        elif not self.plots_covered:
             self.board.paint(surface)
             self._paint_scroll_bar(surface)
 
@@ -370,7 +381,9 @@ class SceneView:
         backdrop.fill(tones.background)
         for lane in self.lanes:
             lane.backdrop(backdrop)
-        if not self.plots_covered:
+        if self.why.rows:
+            self.why.backdrop(backdrop)
+        elif not self.plots_covered:
             self.board.backdrop(backdrop)
         for panel in self.panels:
             panel.backdrop(backdrop)

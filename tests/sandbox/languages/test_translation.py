@@ -68,7 +68,6 @@ def test_labels_of_edited_lanes():
     heavy = replace(one_on(1, gear), mass=(1.0, 2.0))
     edited = lane_label(contacts_text((gear,)), one_on(1, gear), heavy)
     assert languages.scene_words(edited) == "amortisseur d'attelage, modifié"
-    assert languages.scene_words(lane_label("draft gear", one_on(1, gear), heavy)) == "amortisseur d'attelage, modifié"
     assert lane_label(edited, one_on(1, gear), heavy) == "draft gear, edited"  # Files are English.
     assert Lane.of(heavy, (1.0, 0.0), edited).label is edited
     with languages.english():

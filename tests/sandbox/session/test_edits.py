@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from softcradle.physics import hertz, power_law, step_force
+from softcradle.sandbox.quantities import OVERLAP
 from softcradle.sandbox.session import inputs
 from softcradle.sandbox.session.contact_conversion import kind_of, steel_ball
 from softcradle.sandbox.session.editable_numbers import NUMBERS, parameters
@@ -13,7 +14,6 @@ from softcradle.sandbox.session.run_verdict import PASSED
 from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.session.undo import MOST_STEPS
 from softcradle.sandbox.session.values_table import SET_COLUMNS, values_table
-from softcradle.sandbox.story.terms import OVERLAP
 from softcradle.scenes import load, parse
 
 from tests.helpers.sessions import check_replay, opened, picture, pull

@@ -23,38 +23,78 @@ def test_the_answer_is_that_of_an_accurate_run(lesson, answer):
     assert lesson.answer([story_of(run).outcome for run in found]) == answer
 
 
-def answered(driver: Driver, choice: int) -> str:
-    """Return the text of a lesson after this choice."""
+def answered(driver: Driver, *choices: int) -> str:
+    """Return the verdict in the force panel after these choices, made with the buttons in the panel."""
     driver.key(pygame.K_q)
-    assert driver.app.dialog.focus == -1  # No choice is marked.
-    driver.key(pygame.K_RETURN)
-    assert driver.app.dialog.open
-    driver.key(pygame.K_DOWN, times=choice)
-    driver.key(pygame.K_RETURN)
+    for choice in choices:
+        panel = driver.page.explore if driver.app.explore else driver.page.inspector
+        driver.click(panel.choices[choice].center)
     assert driver.page.clock.activity() != "paused"
-    driver.until(lambda: driver.app.dialog.open, 1500)
-    note, title = driver.app.dialog.note, driver.app.dialog.title
+    driver.until(lambda: driver.page.outcome.text, 1500)
+    said = driver.page.outcome.text
     driver.key(pygame.K_ESCAPE)
-    return f"{title}. {note}"
+    return said
+
+
+@pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
+def test_both_questions_are_asked_next_to_the_beads_before_the_run(lab: bool) -> None:
+    driver = Driver("one-on-four", lab=lab)
+    panel = driver.page.inspector if lab else driver.page.explore
+    assert "What do you predict? 1/2" in driver.said()
+    driver.click(panel.choices[0].center)
+    assert "what does the bead that hit the row do" in driver.said()
+    assert (driver.session.frame, driver.page.clock.activity()) == (0, "paused")
+    driver.click(panel.choices[1].center)
+    assert driver.page.clock.activity() == "playing"
+    driver.until(lambda: driver.page.outcome.text, 1500)
+    said = driver.page.outcome.text
+    assert said.startswith(
+        "You predicted: the last bead alone. What happened: most of them, nearly together. As you predicted"
+    )
+    assert outcome_text(driver.session) in said
+    assert driver.app.dialog is None, "nothing covers the beads"
+    assert "3/5 of its speed" in " ".join(driver.page.lessons.explanations)
+
+
+def test_the_choices_are_clicked_without_a_key(driver: Driver) -> None:
+    driver.play_to_the_end()
+    assert not driver.page.inspector.choices
+    driver.app.act("lesson")  # The entry of the menu.
+    driver.frames(2)
+    assert driver.session.frame == 0
+    assert len(driver.page.inspector.choices) == 3
 
 
 def test_a_lesson_is_predicted_run_and_answered(driver: Driver) -> None:
-    said = answered(driver, 1)
-    assert said.startswith("Not as you predicted. What happened:")
-    assert "half as hard" in said
-    assert answered(driver, 2).startswith("As you predicted. What happened:")
-    driver.page.lessons._next = 0
+    said = answered(driver, 1, 2)
+    assert said.startswith(
+        "As you predicted: most of them, nearly together. You predicted: it goes on slowly. What happened:"
+    )
     driver.page.editor.apply(SetContact(0, None, power_law(100.0, 1.0)))
-    said = answered(driver, 1)
-    assert said.startswith("What happened. You predicted: the last bead alone. What happened: Bead 0 moves left")
+    said = answered(driver, 0, 1)
+    assert said.startswith("You predicted: the last bead alone. You predicted: it bounces back.")
     assert said.endswith(outcome_text(driver.session))
+
+
+def test_questions_are_asked_in_dialogs_if_the_panel_has_no_space() -> None:
+    driver = Driver("one-on-four", lab=False)
+    driver.key(pygame.K_i)  # Hide the panel.
+    driver.key(pygame.K_q)
+    for choice in (1, 2):
+        assert driver.app.dialog.focus == -1  # No choice is marked.
+        driver.key(pygame.K_RETURN)
+        assert driver.app.dialog.open
+        driver.key(pygame.K_DOWN, times=choice)
+        driver.key(pygame.K_RETURN)
+    assert driver.page.clock.activity() == "playing"
 
 
 def test_a_lesson_whose_choices_are_all_wrong_is_answered_in_words() -> None:
     driver = Driver("locked-pistons")
     driver.select("contact", 1)
     driver.key(pygame.K_l, pygame.KMOD_SHIFT)  # Now the beads leave together in neither row.
-    assert answered(driver, 3).startswith("What happened. You predicted: in both. What happened: ")
+    driver.key(pygame.K_ESCAPE)
+    assert answered(driver, 2).startswith("You predicted: in both.")
 
 
 @pytest.mark.parametrize("whole", [True, False], ids=["asked while it runs", "asked at its end"])
@@ -65,7 +105,7 @@ def test_a_question_over_a_replay_is_answered_by_it(driver: Driver, tmp_path, wh
     driver.page.dialogs.save("save_session", "played")
     driver.drop_file(tmp_path / "played.npz")
     driver.until(lambda: driver.session.frame > 20 if whole else driver.page.replay.done, 900)
-    assert answered(driver, 1).startswith("Not as you predicted. What happened:")
+    assert answered(driver, 0, 1).startswith("You predicted: the last bead alone. What happened: most of them")
     driver.until(lambda: driver.page.replay.done, 900)
     assert "agrees" in driver.page.replay.sentence
 
@@ -107,8 +147,9 @@ def test_a_question_is_answered_if_the_beads_never_separate(tmp_path, last, more
     driver.key(pygame.K_q)
     driver.type("all")
     driver.key(pygame.K_RETURN)
-    driver.until(lambda: driver.app.dialog.open, most=2000)
-    assert driver.app.dialog.note.startswith("You predicted: all. What happened: ")
+    driver.until(lambda: driver.page.outcome.text or driver.app.dialog.open, most=2000)
+    said = driver.page.outcome.text or driver.app.dialog.note
+    assert said.startswith("You predicted: all. ") or said.startswith("You predicted: all.\n")
     assert driver.session.playing == ("drive" in more)
     lane = driver.session.lanes[0]
     assert driver.session.time == pytest.approx(0.5, abs=0.02) if lane.chain.driven else not lane.velocity.any()
@@ -146,8 +187,8 @@ def test_texts_of_a_user_appear_in_all_outputs(driver, tmp_path) -> None:
     driver.key(pygame.K_q)
     driver.type("all")
     driver.key(pygame.K_RETURN)
-    driver.until(lambda: driver.app.dialog.open)
-    assert driver.app.dialog.note.startswith("You predicted: all. What happened: ")
+    driver.until(lambda: driver.page.outcome.text)
+    assert driver.page.outcome.text.startswith("You predicted: all. ")
     driver.key(pygame.K_ESCAPE)
     assert "They all go." in driver.said()
 

@@ -1,5 +1,5 @@
-"""Tests of the view with few controls, of the comparison with steel balls, and of the outcome card at the end of a
-motion.
+"""Tests of the view with few controls, of the comparison with steel balls, and of the words and the explanation
+after a motion.
 """
 
 import math
@@ -11,17 +11,17 @@ import pytest
 from softcradle.physics import power_law
 from softcradle.sandbox.session.contact_conversion import impact_energy
 from softcradle.sandbox.session.history_slices import last_slice
-from softcradle.sandbox.session.inputs import SetMass, SetVelocity
-from softcradle.sandbox.story.numbers import MINUS, beside
+from softcradle.sandbox.session.inputs import SetMass
+from softcradle.sandbox.session.lane_setup import FRAME_RATE
+from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.editor import Pick
-from softcradle.scenes import Scene
 
 from softcradle import scenes
 from tests.helpers.drawn_text import drawn_texts
 from tests.helpers.windows import Driver
 
-MOST_CONTROLS = 16
+MOST_CONTROLS = 20
 
 
 @pytest.fixture
@@ -65,7 +65,8 @@ def test_alpha_is_set_for_the_row_or_a_selected_contact(explorer: Driver) -> Non
     before = impact_energy(lane.chain, 1, lane.setup.speed)
     explorer.run(60)
     explorer.enter("alpha", "1")
-    assert explorer.session.frame == 0  # The motion starts again.
+    assert explorer.session.playing  # The motion starts again.
+    assert explorer.session.frame < 60
     assert [law.exponent for law in laws(explorer)] == [1.0] * 4
     lane = explorer.session.lanes[0]
     assert impact_energy(lane.chain, 1, lane.setup.speed) == pytest.approx(before)
@@ -132,7 +133,7 @@ def test_a_row_is_compared_with_steel_balls(explorer: Driver) -> None:
     assert soft.velocity[4] < 0.6
     soft, steel = explorer.page.outcome.text.split("\n")
     assert "Beads 2 to 4 move right together at 0.46\N{NO-BREAK SPACE}m/s." in soft
-    assert steel.startswith("steel balls: Beads 0 to 2 are almost at rest.")
+    assert steel.startswith("Beads 0 to 2 are almost at rest.")
     explorer.enter("speed", "2")
     press(explorer, "Back to one row")
     scene = explorer.session.scene
@@ -162,44 +163,32 @@ SLOW_ROWS = [pytest.param(lab, not lab, marks=pytest.mark.slow) for lab in (Fals
 SLOW_SIZE = pytest.param((1280, 720), 1.0, marks=pytest.mark.slow)
 
 
-@pytest.mark.parametrize(("lab", "compared"), [(False, False), (True, True), *SLOW_ROWS])
-@pytest.mark.parametrize(("size", "scale"), [SLOW_SIZE, ((1024, 600), 1.0), ((1280, 800), 1.5)], ids=str)
-def test_the_card_at_the_end_leaves_room_for_beads_and_forces(size, scale, lab, compared) -> None:
+@pytest.mark.parametrize(("lab", "compared"), [(False, True), (True, False), *SLOW_ROWS])
+@pytest.mark.parametrize(("size", "scale"), [((1024, 600), 1.0), SLOW_SIZE, ((1366, 768), 1.0)], ids=str)
+def test_words_at_the_end_are_above_the_beads_and_move_nothing(size, scale, lab, compared) -> None:
     driver = Driver("one-on-four", size=size, lab=lab)
     driver.app.scale = scale
     if compared:
         driver.app.act("compare_balls")
-    driver.play_to_the_end()
-    driver.page.outcome.show_forces()
     driver.frames(2)
-    view, card, unit = driver.page.view, driver.page.outcome._rect, driver.app.unit
-    assert card.height
-    assert card.bottom <= view.places.footer.top
-    assert not any(card.colliderect(rect) for row in view.places.plots for rect in row)
-    for drawing in [lane.drawing for lane in view.lanes]:
-        assert drawing.rect.bottom <= card.top
-        assert drawing.rect.height >= (120 if compared else 180) * unit
-    drawing = view.lanes[0].drawing
-    greatest = float(driver.session.lanes[0].state.force.max())
-    if not compared:  # The rigid marks are at 3/4, 1/2 and 1/4.
-        assert drawing.bar_base - drawing._bar_top(greatest) > 45 * unit
+    before = driver.page.view.places
+    driver.play_to_the_end()
+    places, card = driver.page.view.places, driver.page.outcome
+    assert places == before, "plots and beads keep their places"
+    assert len(card._shown) == 1 + compared
+    for (rect, _size, _lines), lane in zip(card._shown, driver.page.view.lanes, strict=True):
+        assert lane.drawing.rect.contains(rect)
+        assert rect.bottom <= lane.drawing.bar_base
+        assert rect.top >= max(heading.bottom for heading in lane.drawing.heading[:1])
 
 
-def test_the_outcome_is_shown_in_a_dialog_if_the_card_does_not_fit(explorer: Driver) -> None:
-    explorer.resize((1280, 800))
+def test_words_without_space_are_shown_in_a_dialog(explorer: Driver) -> None:
+    explorer.resize((1280, 720))
+    explorer.app.act("compare_balls")
     explorer.app.scale = 2.0
-    explorer.run(0)
-    assert explorer.app.unit == 2.0
     explorer.until(lambda: explorer.app.dialog, most=900)
     assert "Beads 2 to 4 move right together" in explorer.app.dialog.note
-    explorer.click(explorer.app.dialog.buttons["Why? The forces"].rect.center)
-    assert "one solid block" in explorer.app.dialog.note
-    explorer.key(pygame.K_ESCAPE)
-    explorer.key(pygame.K_2)
-    assert [len(row) for row in explorer.page.view.places.plots] == [1], "it is there without the card"
-    press(explorer, "Compare with steel balls")
-    explorer.key(pygame.K_2)
-    assert explorer.messages == ["plots do not fit: make the window larger or the scale smaller"]
+    assert not explorer.page.outcome.text
 
 
 def test_the_clock_pauses_once_at_the_end_of_the_motion(driver) -> None:
@@ -221,58 +210,71 @@ def test_the_clock_pauses_once_at_the_end_of_the_motion(driver) -> None:
     assert page.board.span.seconds < seconds
 
 
-def test_the_greatest_force_of_a_train_that_starts_is_a_pull() -> None:
+def test_the_largest_force_of_a_train_that_starts_is_a_pull() -> None:
     driver = Driver("train-starting", lab=False)
     driver.session.step_frames(200)
-    driver.page.outcome.show_forces()
+    driver.app.act("why")
+    driver.frames(2)
     force = last_slice(driver.session.history, 0, driver.session.history.last).force
     assert driver.session.lanes[0].state.force.min() == force.min() < -1e5
-    assert re.search(r"carry .*\d … kN\.", driver.page.outcome.text)
-    driver.page.show_scene(scenes.load("one-on-ten"))
-    driver.session.apply(SetVelocity(0, None, 0.0))
-    driver.session.apply(SetVelocity(0, 10, -1.0))
-    driver.session.step_frames(600)
-    driver.page.outcome.show_forces()
-    # Force of the last contact.
-    assert f" {driver.session.lanes[0].state.force[-1]:.3f} N." in driver.page.outcome.text
+    assert re.search(r"When the pull is strongest, the contacts carry .*\d … kN\.", driver.page.why.words)
 
 
-def test_the_card_describes_the_forces_of_a_frame(
-    tmp_path,
-) -> None:
-    for stiffness, push, told in ((3e7, 1e-6, r"carry \d\.\d·10⁻⁵, \S+ N\.$"), (1e9, 1.0, "")):
-        lane = {
-            "velocity": [push, 0.0, 0.0],
-            "contact": {"law": "hertz", "stiffness": stiffness},
-            "gap": 2e-3 * push,
-        }
-        scene = Scene.model_validate({"title": "Small or quick", "lanes": [lane], "view": {"length": push}})
-        (tmp_path / "small.toml").write_text(scene.to_toml(), encoding="utf-8")
-        driver = Driver(str(tmp_path / "small.toml"), lab=False)
-        driver.play_to_the_end()
-        assert ("Why? The forces" in driver.page.outcome.buttons) == bool(told)
-        if told:
-            driver.page.outcome.show_forces()
-            assert re.search(told, driver.page.outcome.text)
+def test_without_a_collision_there_is_nothing_to_explain(explorer: Driver) -> None:
+    explorer.session.step_frames(5)
+    explorer.frames(2)
+    assert not explorer.page.time_controls.why.is_enabled
+    explorer.app.act("why")
+    assert not explorer.page.why.rows
+    assert explorer.messages == ["Press Play first. The explanation needs a collision."]
 
 
-def test_the_card_leads_to_forces_and_steel_balls(driver: Driver) -> None:
+SAID = (
+    "Squeezed by 45 cm, 3 cm, 0.6 mm and 0.6 µm, the contacts still push with 1, 3/4, 1/2 and 1/4 of the force. "
+    "So the push reaches the last bead at once, without a wave: an evanescent mode."
+)
+
+
+@pytest.mark.parametrize("lab", [False, True], ids=["explore", "lab"])
+@pytest.mark.parametrize("size", [(1024, 600), pytest.param((1366, 768), marks=pytest.mark.slow)], ids=str)
+def test_why_stops_at_the_largest_force_and_opens_magnifiers(size, lab) -> None:
+    driver = Driver("one-on-four", size=size, lab=lab)
     driver.play_to_the_end()
-    page, card = driver.page, driver.page.outcome
-    driver.click(card.buttons["Why? The forces"].rect.center)
-    assert "one solid block" in card.text
-    assert driver.session.lanes[0].state.force.max() > 0.9
-    driver.click(card.buttons["Close"].rect.center)
-    assert not card.buttons
-    card.show_outcome()
-    driver.key(pygame.K_ESCAPE)  # This closes the card, not the page.
-    assert not card.text
-    assert driver.app.page is page
-    card.show_outcome()
-    driver.frames(1)
-    driver.click(card.buttons["Now with steel balls"].rect.center)
-    assert driver.session.label(1) == "steel balls"
-    assert driver.session.playing
+    places = driver.page.view.places
+    driver.click(driver.page.time_controls.why.rect.center)
+    assert driver.page.why.words.replace("\N{NO-BREAK SPACE}", " ") == SAID
+    assert driver.session.lanes[0].state.force.max() == pytest.approx(0.923, abs=2e-3)
+    assert driver.page.view.places == places
+    texts = [one.text.replace("\N{NO-BREAK SPACE}", " ") for one in driver.texts()]
+    for caption in ("45 cm", "force 1", "3 cm", "force 3/4", "0.6 mm", "force 1/2", "0.6 µm", "force 1/4"):
+        assert caption in texts
+    assert SAID[:40] in " ".join(texts)
+    driver.key(pygame.K_ESCAPE)  # This closes the explanation, not the page.
+    assert not driver.page.why.rows
+    assert driver.page.board.plots
+    driver.app.act("why")
+    driver.run(2)
+    assert not driver.page.why.rows, "the clock runs"
+
+
+def test_each_row_is_explained_at_its_own_largest_force(explorer: Driver) -> None:
+    explorer.app.act("compare_balls")
+    explorer.play_to_the_end()
+    explorer.app.act("why")
+    explorer.frames(2)
+    soft, steel = explorer.page.why.rows
+    assert soft.frame > steel.frame
+    assert soft.words.replace("\N{NO-BREAK SPACE}", " ") == SAID
+    assert "1, 1/9, 0 and 0 of the force" in steel.words
+    assert "runs along the row as a wave" in steel.words
+    for row, lane, shown in zip((soft, steel), (0, 1), explorer.page.view.lanes, strict=True):
+        force = last_slice(explorer.session.history, lane, explorer.session.history.last).force
+        assert row.motion.force.max() == force.max()
+        # Each row has its own scale of forces: the largest bar fills the panel.
+        assert shown.drawing.bar_base - shown.drawing._bar_top(float(force.max())) > 0.9 * shown.drawing.bar_room
+    words = explorer.said()
+    assert "45" in words
+    assert "13" in words
 
 
 def test_each_drag_of_a_slider_is_one_undo_step(
@@ -308,18 +310,19 @@ def test_a_slider_is_dragged_all_the_way_after_the_end_of_a_motion(explorer: Dri
         assert control.slider.sliding_button.rect.centerx == x + moved
         values.append(control.parameter.value)
     explorer.release((x + 100, y))
-    assert not explorer.page.outcome.buttons
+    assert not explorer.page.outcome.text
     assert sorted(values) == values
     assert len(set(values)) > 6, "the value follows the mouse"
     assert len(explorer.session.undo_stack.done) == 1
-    assert explorer.session.frame == 0
+    assert explorer.session.playing, "the scene plays again at once"
+    assert explorer.session.time < 1.0
 
 
 def test_a_slider_stays_in_the_hand_while_the_motion_ends(explorer: Driver) -> None:
     explorer.run(0)
     x, y = explorer.page.time_controls.slider.sliding_button.rect.center
     explorer.press((x, y))
-    explorer.until(lambda: explorer.page.outcome.buttons, most=900)
+    explorer.until(lambda: explorer.page.outcome.text, most=900)
     slow = explorer.page.time_controls.slow
     explorer.move((x + 40, y), (1, 0, 0))
     explorer.frames(1)
@@ -336,14 +339,14 @@ def test_rows_struck_from_the_right_are_explained(tmp_path) -> None:
     driver.enter("speed", "0.2")
     assert [lane.velocity[-1] for lane in driver.session.lanes] == pytest.approx([-0.2, -2.0])
     driver.session.step_frames(600)
-    driver.page.outcome.show_forces()
-    weak_row, strong_row = driver.page.outcome.text.split("\n")
-    # Each row is described at its own largest force.
-    for text, name, lane in ((weak_row, "weak", 0), (strong_row, "strong", 1)):
+    driver.app.act("why")
+    driver.frames(2)
+    for row, lane in zip(driver.page.why.rows, (0, 1), strict=True):
         force = last_slice(driver.session.history, lane, driver.session.history.last).force
-        assert text.startswith(f"{name}: When the push is strongest, the contacts carry ")
-        greatest = float(force.max())
-        assert beside(greatest, greatest) in text
+        assert row.motion.force.max() == force.max()
+        assert row.push is not None
+        assert row.push.contacts == (3, 2, 1, 0), "from the bead that struck on"
+    assert driver.page.why.words.startswith("weak: Squeezed by ")
 
 
 def test_a_clicked_bead_offers_its_mass_and_start_velocity(explorer: Driver) -> None:
@@ -354,9 +357,13 @@ def test_a_clicked_bead_offers_its_mass_and_start_velocity(explorer: Driver) -> 
     assert set(explorer.page.explore.controls) == {"mass", "velocity"}
     assert explorer.page.explore.controls["velocity"].parameter.value == 0.0
     explorer.enter("mass", "3")
-    assert explorer.session.frame == 0
+    assert explorer.session.time < 1.0
+    explorer.session.pause()
+    explorer.session.scrub_frame(0)
     assert explorer.session.lanes[0].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
     explorer.enter("velocity", "-0.5")
+    explorer.session.pause()
+    explorer.session.scrub_frame(0)
     assert explorer.session.lanes[0].velocity.tolist() == [1.0, 0.0, -0.5, 0.0, 0.0]
     explorer.key(pygame.K_ESCAPE)
     assert set(explorer.page.explore.controls) == {"alpha", "speed"}
@@ -414,5 +421,61 @@ def test_nothing_disappears_at_the_largest_scale(size: tuple[int, int]) -> None:
     assert driver.app.unit > 1.7 * driver.app._usual_unit
     assert [len(row) for row in driver.page.view.places.plots] == [1]
     assert driver.page.view.lanes[0].drawing.bead > 30 * driver.app.unit
-    press(driver, "Text")
+    press(driver, "Predict")
     assert "Which beads leave on the right?" in driver.app.dialog.note
+
+
+def test_soft_beads_open_next_to_steel_balls_until_one_row_is_chosen() -> None:
+    driver = Driver("one-on-four", lab=False, beside=True)
+    assert [driver.session.label(lane) for lane in (0, 1)] == ["alpha = 1/10", "steel balls"]
+    assert "Upper row: One bead runs into four" in driver.said()
+    assert not driver.page.unsaved
+    driver.app.open("train-starting")
+    assert len(driver.session.lanes) == 1, "a comparison with balls makes no sense"
+    driver.app.open("one-on-four")
+    driver.frames(2)
+    press(driver, "Back to one row")
+    driver.app.open("one-on-four-softer")
+    driver.frames(2)
+    assert len(driver.session.lanes) == 1
+
+
+def test_a_change_plays_again_and_keeps_the_previous_run_in_the_plot(explorer: Driver) -> None:
+    explorer.enter("speed", "1.5")
+    assert not explorer.session.playing, "nothing has been played yet"
+    explorer.play_to_the_end()
+    ended = explorer.session.time
+    explorer.enter("alpha", "0.5")
+    assert explorer.session.playing
+    explorer.frames(20)
+    ghosts = explorer.page.board.ghosts
+    assert len(ghosts) == 1
+    assert ghosts[0][-1].time[-1] == pytest.approx(ended, abs=0.05)
+    assert [law.exponent for law in ghosts[0][0].chain.contact] == [0.1] * 4
+    assert "faint: previous run" in explorer.said()
+    explorer.enter("alpha", "0.7")  # Without a collision in between, the ghost stays.
+    assert explorer.page.board.ghosts is ghosts
+
+
+def test_the_wait_for_the_first_contact_is_short(explorer: Driver) -> None:
+    explorer.run(0)
+    frames = 0
+    while not explorer.session.lanes[0].state.force.any():
+        explorer.frames(1)
+        frames += 1
+    # 2 s of slow motion until the contact at t = 1 s: 1.5 s of them pass four times faster.
+    assert 45 < frames < 60
+    assert explorer.session.time == pytest.approx(1.0, abs=0.02)
+    before = explorer.session.frame
+    explorer.frames(10)
+    assert explorer.session.frame - before == 10 * FRAME_RATE // 60, "the clock runs as shown"
+
+
+def test_sums_of_energy_and_momentum_are_on_the_first_screen(explorer: Driver) -> None:
+    assert {"0.5 J", "1 N s"} <= {one.text for one in explorer.texts()}
+    explorer.run(200)  # Amid the collision, a part of the energy is in the contacts.
+    assert explorer.session.lanes[0].motion.stored[0] > 0.1
+    assert {"0.5 J", "1 N s"} <= {one.text for one in explorer.texts()}
+    explorer.app.act("compare_balls")
+    explorer.frames(2)
+    assert {"0.5 | 0.5 J", "1 | 1 N s"} <= {one.text for one in explorer.texts()}
