@@ -95,7 +95,8 @@ class _Run:
                 if np.isinf(end) and self._is_over():
                     self.status = Status.SEPARATED
                     break
-                chatters = [one.end - one.start <= ROOT * self.scale for one in self.segments[-MOST_IN_PLACE:]]
+                # A switch at the start of a phase gives it the length of ROOT, plus round-off.
+                chatters = [one.end - one.start <= 2.0 * ROOT * self.scale for one in self.segments[-MOST_IN_PLACE:]]
                 if (
                     len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations)
                     or sum(chatters) == MOST_IN_PLACE

@@ -8,7 +8,7 @@ from softcradle.physics import Chain, Coupler, OwnLaw, TimedForce, cluster_on_cl
 from softcradle.physics.contact import draft_gear, hertz, hooke, power_law, step_force
 from softcradle.physics.methods import refusal_of
 from softcradle.physics.reference.laws import Laws
-from softcradle.physics.status import Status
+from softcradle.physics.status import Status, WarningCode
 
 from benchmarks.scan.families import motion
 from tests.helpers.relations import KERNELS, NAMES, PROMISE, assert_momentum, ledger_error, simulate_quietly
@@ -140,3 +140,23 @@ def test_slow_yielding_is_not_restarted_by_other_contacts():
     """
     chain = Chain([0.6256050420307148, 1.9966455213844647, 1.7485191867510559, 0.5551660365009872, 1.0], hooke(100.0))
     assert simulate(chain, [1.40621878, 0, 0, 0, 0], 0.12, "scipy", samples=2).steps < 100
+
+
+# Masses [kg], stiffness, exponent, gaps [m], friction, velocity of the striker [m/s], and tolerance.
+STUCK = [
+    ([0.46947684638014126, 0.467007658846719, 1.0077010100542962, 2.4738512390997687], 1.2940312341255225, 1.0,
+     [0.0, 0.0246158635633857, 0.0], 0.056163714095268005, 1.9246372161548775, 1e-3),
+    ([0.5556933818784061, 0.3421568131414885, 3.0317075013657115, 0.3178966701898147], 84.19839199869811, 3.0,
+     [-0.029956371420502115, 0.009795492471958732, 0.0], 0.4257236900244771, 0.6263505979320219, 1e-6),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("mass", "stiffness", "exponent", "gap", "friction", "speed", "tolerance"), STUCK)
+def test_a_switch_that_repeats_ends_the_run_soon(mass, stiffness, exponent, gap, friction, speed, tolerance) -> None:
+    """Check rows on a bed in which one switch follows itself without end. The run gave up after half a minute, because
+    round-off made its phases longer than the limit.
+    """
+    chain = Chain(mass, power_law(stiffness, exponent), gap=gap, friction=friction)
+    found = simulate_quietly(chain, [speed, 0.0, 0.0, 0.0], 5.0, method="scipy", samples=2, tolerance=tolerance)
+    assert found.evaluations < 40_000
+    assert found.status == Status.DONE or [one.code for one in found.warnings] == [WarningCode.GAVE_UP]
