@@ -16,6 +16,7 @@ from tools.browser import Browser
 SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
 SCENE = "one-on-four"
 ALONE = "#with=none"  # Fragment of a page without the row for comparison.
+TRAIN = "train"  # Name of the page of `uncoupled`.
 BOOKED = 1e-10  # Largest allowed relative error of the energy.
 SAID = "document.getElementById('words').textContent.replaceAll('\u00a0', ' ')"
 LEDGER = "document.getElementById('energy').textContent"
@@ -54,7 +55,15 @@ def page_data(text):
 def pages(tmp_path_factory):
     """Return a function that writes the page of a scene once and returns the report of `render_page`."""
     folder = tmp_path_factory.mktemp("pages")
-    return cache(lambda name: render_page(load_scene(name), folder / f"{name}.html"))
+    return cache(lambda name: render_page(uncoupled() if name == TRAIN else load_scene(name), folder / f"{name}.html"))
+
+
+def uncoupled():
+    """Return the shunting scene with gears that only push, which a page can compute."""
+    scene = load_scene("train-shunting")
+    (lane,) = scene.lanes
+    pushing = lane.model_copy(update={"contact": lane.contact.push, "approach": 0.02})
+    return scene.model_copy(update={"lanes": (pushing,)})
 
 
 @pytest.fixture(scope="module")

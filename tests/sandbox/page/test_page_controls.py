@@ -16,6 +16,7 @@ from tests.sandbox.page.conftest import (
     SCENE,
     SET,
     SOFT,
+    TRAIN,
     hold_the_clock,
     pictures,
     run_to_the_end,
@@ -306,7 +307,7 @@ def test_shift_and_an_arrow_throw_at_the_first_press(live):
         (SCENE, "#show=forces.bars&t=-1", {"shown": ["forces"]},
          "This link asks for show = forces.bars, t = -1, which this page cannot do."),
         ("hertz-cradle", "#a=0.5", {}, "This link asks for a = 0.5, which this page cannot do."),
-        ("train-shunting", "#with=steel&n=3", {}, "This link asks for with = steel, n = 3 (here 11), which this page cannot do."),
+        (TRAIN, "#with=steel&n=3", {}, "This link asks for with = steel, n = 3 (here 11), which this page cannot do."),
         ("train-solid", "#n=9&pace=2", {"pace": 2},
          "This is a recording: you can play and rewind it, but not change it. "
          "This link asks for n = 9, which this page cannot do."),
@@ -379,7 +380,7 @@ def test_an_unknown_language_in_a_link_is_that_of_the_reader(pages, browser):
         ),
         ("hertz-cradle", "", "In Newton's cradle only the last ball flies off. How will these soft beads move?"),
         ("hertz-cradle", ALONE, "How many of these balls will fly off?"),
-        ("train-shunting", "", ""),
+        (TRAIN, "", ""),
         ("prestressed", "", ""),
     ],
 )
@@ -418,7 +419,7 @@ def test_lines_of_rigid_groups_are_drawn_with_their_legend_only_and_until_a_hand
     browser.visit(pages(SCENE).output, "#with=none&t=1.9")
     browser.run("page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
     assert browser.run(f"[{legend}, {lines}]") == [False, 0]
-    browser.visit(pages("train-shunting").output, "#t=0.5")
+    browser.visit(pages(TRAIN).output, "#t=0.5")
     assert browser.run(f"[{legend}, {lines}]") == [False, 0]
 
 
@@ -441,7 +442,7 @@ def test_a_motion_that_ends_before_its_row_has_come_apart_says_so_and_shows_what
 
 
 def test_energy_is_told_for_each_row_and_what_of_it_is_absorbed(pages, browser):
-    browser.visit(pages("train-shunting").output, "")
+    browser.visit(pages(TRAIN).output, "")
     run_to_the_end(browser)
     assert browser.run(LEDGER).startswith("Total energy 160 kJ · 13")
     assert "kJ of it absorbed" in browser.run(LEDGER)
@@ -457,7 +458,7 @@ def test_energy_is_told_for_each_row_and_what_of_it_is_absorbed(pages, browser):
     ("name", "words", "hint"),
     [
         (SCENE, "Bead", "a bead"),
-        ("train-shunting", "Wagon", "a wagon"),
+        (TRAIN, "Wagon", "a wagon"),
         ("draft-gear-one-on-three", "Cylinder", "a cylinder"),
     ],
 )

@@ -26,6 +26,7 @@ from tests.sandbox.page.conftest import (
     SCENE,
     SET,
     SOFT,
+    TRAIN,
     error,
     hold_the_clock,
     pictures,
@@ -382,7 +383,7 @@ def test_the_law_and_the_compared_row_are_changed(live):
         (SCENE, "#law=steel&with=none", ["none", "soft", "gear"], "Compare with soft beads"),
         ("hertz-cradle", "#n=2&with=none", ["none", "soft", "gear"], "Compare with soft beads"),
         ("draft-gear-one-on-three", "#n=2&with=none", ["none", "steel", "soft"], "Compare with steel balls"),
-        ("train-shunting", "", None, None),
+        (TRAIN, "", None, None),
     ],
 )
 def test_a_row_is_compared_with_rows_of_other_contacts_only(pages, browser, name, fragment, offered, contrast):
@@ -656,7 +657,7 @@ def covering(one, other):
 
 
 @pytest.mark.parametrize("width", [320, 390, 600, 740, 900, 1280])
-@pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", "train-shunting", "train-starting"])
+@pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", TRAIN, "train-starting"])
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width, language):
     """Check overlaps of texts. Bead numbers are left out because they move across each other with the beads."""

@@ -6,7 +6,7 @@ from softcradle.sandbox.page import render_page
 from softcradle.scenes import Lane, Scene
 
 from softcradle import scenes, simulate
-from tests.sandbox.page.conftest import ALONE, SCENE, SOFT, hold_the_clock, run_to_the_end
+from tests.sandbox.page.conftest import ALONE, SCENE, SOFT, TRAIN, hold_the_clock, run_to_the_end
 from tools.browser import found
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
@@ -168,7 +168,7 @@ def test_a_recording_explains_as_well(pages, browser, tmp_path):
 
 
 def test_a_row_without_a_question_plays_at_once_and_explains_nothing(pages, browser):
-    browser.visit(pages("train-shunting").output, "")
+    browser.visit(pages(TRAIN).output, "")
     assert browser.run("[page.playing, part('guesses').hidden, part('explain').hidden]") == [True, True, True]
     hold_the_clock(browser)
     run_to_the_end(browser)
