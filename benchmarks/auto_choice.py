@@ -51,6 +51,11 @@ class Judged:
     error: float  # error of the final velocities, relative to the closing speed
 
     @property
+    def ratio(self) -> float:
+        """Evaluations over those of the cheapest alternative. A motion of free flights needs none at all."""
+        return self.evaluations / max(min(self.others.values()), 1.0)
+
+    @property
     def dear(self) -> bool:
         """Whether another method takes far fewer evaluations."""
         return self.evaluations > max(DEAR * min(self.others.values()), MANY)
@@ -102,7 +107,7 @@ def report(found: Sequence[Judged], options: str) -> Report:
     for wanted in ERRORS:
         for method in sorted({one.method for one in found if one.wanted == wanted}):
             mine = [one for one in found if (one.wanted, one.method) == (wanted, method)]
-            ratios = sorted(one.evaluations / min(one.others.values()) for one in mine)
+            ratios = sorted(one.ratio for one in mine)
             dear = sorted((one for one in mine if one.dear), key=lambda one: one.evaluations)
             beyond = [one.seed for one in mine if one.error > HELD * wanted]
             quantiles = [f"{ratios[int(part * (len(ratios) - 1))]:.2g}" for part in (0.5, 0.9, 1.0)]

@@ -9,6 +9,7 @@ from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
 from benchmarks import many_chains, steps, sweeps
+from benchmarks.auto_choice import Judged, report
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
 from tests.helpers.paths import ROOT
@@ -55,6 +56,13 @@ def test_the_command_writes_what_it_shows(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit, match="2"):
         command.main(["nonsense"])
     assert "nonsense" in capsys.readouterr().err
+
+
+def test_choices_of_auto_are_reported_for_a_motion_without_evaluations():
+    """Check a motion of free flights. Its cost was divided by the zero evaluations of the alternatives."""
+    one = Judged(3, 1e-2, "accurate", 0.0, {"accurate": 0.0, "radau": 0.0}, 0.0)
+    (row,) = report([one], "").rows
+    assert row[:7] == ["0.01", "accurate", "1", "0", "0", "0", "0"]
 
 
 @pytest.mark.parametrize("name", command.COMMANDS)
