@@ -38,6 +38,7 @@ COMMANDS = {
     "soft-contacts": "benchmarks.soft_contacts",
     "soft-chains": "benchmarks.soft_chains",
     "fit": "benchmarks.fit",
+    "hits": "benchmarks.hits",
 }
 
 

@@ -250,6 +250,19 @@ class Trajectory(Moving):
 
         return hits(self)
 
+    @cached_property
+    def largest_force(self) -> Array:
+        """Largest force [N] of each contact, shape (n,), from :meth:`hits`: exact, in contrast to the maximum of `force`.
+
+        It is negative for a coupler that pulled more than it pushed, and 0 for a contact that never closed. ValueError is
+        raised as by `hits`.
+        """
+        found = np.zeros(self.chain.contacts)
+        for row in self.hits():
+            if abs(row["largest_force"]) > abs(found[row["contact"]]):
+                found[row["contact"]] = row["largest_force"]
+        return found
+
     def save(self, path: trajectory_file.Path) -> None:
         """Write all data, including the chain and the versions, to an .npz file, which :meth:`load` reads."""
         values = {item.name: getattr(self, item.name) for item in fields(self)}

@@ -1,7 +1,7 @@
 """Table of the hits of a motion: begin, end, impulse, closing speed, largest force and dissipated energy of each contact.
 
-The values do not come from the stored samples. The motion is computed again with samples at the located contact times, and once
-more at the largest overlaps, so every value is as accurate as the run itself.
+The values do not come from the stored samples. The motion is computed again with samples at the located contact times, and again
+at the turning points of the overlaps, so every value is as accurate as the run itself.
 """
 
 from __future__ import annotations
@@ -14,31 +14,20 @@ from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.hit_table import TYPE
 from softcradle.physics.simulation import solve
 from softcradle.physics.status import Status
 from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-# Columns of the table, with their units.
-COLUMNS = {
-    "contact": "index of the contact",
-    "begin": "time at which the contact closes [s]",
-    "end": "time at which it opens, or inf if it stays closed [s]",
-    "impulse": "momentum passed from the left bead to the right one [N s]",
-    "closing_speed": "overlap rate at the begin [m/s]",
-    "largest_force": "largest force, negative for a pull [N]",
-    "energy_lost": "energy dissipated by the contact [J]",
-}
-TYPE = np.dtype([(name, np.int64 if name == "contact" else np.float64) for name in COLUMNS])
-
 # Samples between two switches of any contact. The force curve of such a part has few turning points.
 INSIDE = 12
 
-# Most repetitions of a motion that locate the largest overlaps. Secant steps converge in three or four.
+# Most repetitions of a motion that locate the turning points of overlaps. Secant steps converge in three or four.
 REFINEMENTS = 6
 
-# A largest overlap is located if its rate is below this fraction of the largest rate. Its error is then the square of that.
+# A turning point is located if its rate is below this fraction of the largest rate. Its error is then the square of that.
 LOCATED = 1e-5
 
 # Tolerance argument for fixed-step methods, which ignore it.
@@ -88,8 +77,8 @@ def hits(trajectory: Trajectory) -> NDArray[np.void]:
     grid = np.unique(np.concatenate([knots, *_between(knots)]))
     full = _repeated(trajectory, grid)
     for _ in range(REFINEMENTS):
-        peaks = [_peak_time(full, contact, begin, min(end, last)) for begin, contact, end in spans]
-        grid = np.union1d(grid, [time for time in peaks if time is not None])
+        turns = [_turning_times(full, contact, begin, min(end, last)) for begin, contact, end in spans]
+        grid = np.union1d(grid, [time for times in turns for time in times])
         if grid.size == full.time.size:
             break
         full = _repeated(trajectory, grid)
@@ -125,20 +114,30 @@ def _repeated(trajectory: Trajectory, times: Array) -> Trajectory:
     return run
 
 
-def _peak_time(run: Trajectory, contact: int, begin: float, end: float) -> float | None:
-    """Return a better time of the largest |overlap| in a contact, between the samples around it; None if it is located."""
+def _turning_times(run: Trajectory, contact: int, begin: float, end: float) -> list[float]:
+    """Return better times of the turning points of the overlap in a hit that are not located yet.
+
+    A contact without loss needs only its largest |overlap|. With loss, every turning point separates loading from unloading.
+    """
     first, last = np.searchsorted(run.time, [begin, end])
     time, rate = run.time[first : last + 1], run.rate[first : last + 1, contact]
-    k = int(np.argmax(np.abs(run.overlap[first : last + 1, contact])))
-    if abs(rate[k]) <= LOCATED * np.abs(rate).max():
-        return None
-    for other, beyond in ((k - 1, k + 1), (k + 1, k - 1)):
-        if min(other, beyond) >= 0 and max(other, beyond) < time.size and rate[k] * rate[other] < 0.0:
-            # The slope of the rate jumps at the peak of a contact with loss. So extrapolate the rate from one side of it only.
-            slope = (rate[beyond] - rate[k]) / (time[beyond] - time[k])
-            share = float(np.clip(-rate[k] / (slope * (time[other] - time[k])), 0.001, 0.999))
-            return float(time[k] + (time[other] - time[k]) * share)
-    return None
+    turns = np.flatnonzero(rate[:-1] * rate[1:] < 0.0)
+    if not any(_losses(run.chain.contact[contact])):
+        peak = int(np.argmax(np.abs(run.overlap[first : last + 1, contact])))
+        turns = turns[(turns == peak) | (turns + 1 == peak)]
+    found = []
+    for k in turns.tolist():
+        near, far = (k, k + 1) if abs(rate[k]) <= abs(rate[k + 1]) else (k + 1, k)
+        if abs(rate[near]) <= LOCATED * np.abs(rate).max():
+            continue
+        # The slope of the rate jumps at the turning point of a contact with loss. So extrapolate from one side of it only.
+        beyond = 2 * near - far
+        if not (0 <= beyond < time.size and rate[beyond] * rate[near] > 0.0 and rate[beyond] != rate[near]):
+            beyond = far
+        slope = (rate[beyond] - rate[near]) / (time[beyond] - time[near])
+        share = float(np.clip(-rate[near] / (slope * (time[far] - time[near])), 0.001, 0.999))
+        found.append(float(time[near] + (time[far] - time[near]) * share))
+    return found
 
 
 def _impulse(run: Trajectory, contact: int, part: slice) -> float:
@@ -163,8 +162,7 @@ def _external(chain: Chain, side: slice, begin: float, end: float) -> float:
 
 def _energy_lost(chain: Chain, contact: int, overlap: Array) -> float:
     """Return the dissipated energy [J]: the loss of the gear that acts, times each decrease of the stored energy."""
-    law = chain.contact[contact]
-    losses = (law.push.loss, law.pull.loss if law.pull else 0.0) if isinstance(law, Coupler) else (_loss(law), 0.0)
+    losses = _losses(chain.contact[contact])
     if not any(losses):
         return 0.0
     rows = np.zeros((overlap.size, chain.contacts))
@@ -175,5 +173,8 @@ def _energy_lost(chain: Chain, contact: int, overlap: Array) -> float:
     return math.fsum(np.where(pushed, losses[0], losses[1]) * released)
 
 
-def _loss(law: object) -> float:
-    return law.loss if isinstance(law, Contact) else 0.0
+def _losses(law: object) -> tuple[float, float]:
+    """Return the losses of a contact while it is pushed and while it is pulled."""
+    if isinstance(law, Coupler):
+        return law.push.loss, law.pull.loss if law.pull else 0.0
+    return (law.loss if isinstance(law, Contact) else 0.0), 0.0

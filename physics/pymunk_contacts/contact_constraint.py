@@ -13,6 +13,7 @@ from softcradle.physics.advice.stability_limits import TRUSTED_ERROR, stable_ste
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown
 from softcradle.physics.contact import Contact
+from softcradle.physics.hit_table import Hit, LiveHit
 from softcradle.physics.numerics import law_kernels
 from softcradle.physics.numerics.plain_kernels import plain
 from softcradle.physics.own_law import Law, OwnLaw, is_law
@@ -36,6 +37,7 @@ from softcradle.physics.segments import PiecewiseContact
 
 Pair = tuple[float, float]
 LawLike = Law | Callable[[float], SupportsFloat]
+OnHit = Callable[["SoftContact", Hit], None]
 
 
 class SoftContact(pymunk.DampedSpring):
@@ -72,6 +74,10 @@ class SoftContact(pymunk.DampedSpring):
     native : bool, optional
         True: the force is compiled code, several times faster. False: a Python callback with bitwise the same results.
         None: compiled if possible.
+    on_hit : callable, optional
+        Called as ``on_hit(contact, hit)`` at the end of the step in which the contact has opened. The hit has the attributes
+        begin, end [s], impulse [N s], closing_speed [m/s], largest_force [N] and energy_lost [J]. Its times are counted from
+        the first step of the contact. The force is then a Python callback. Copies and pickles do not include `on_hit`.
 
     Raises
     ------
@@ -118,6 +124,7 @@ class SoftContact(pymunk.DampedSpring):
         touching_distance: float,
         contact: LawLike,
         native: bool | None = None,
+        on_hit: OnHit | None = None,
     ) -> None:
         require_kind("a", a, pymunk.Body)
         require_kind("b", b, pymunk.Body)
@@ -128,6 +135,7 @@ class SoftContact(pymunk.DampedSpring):
         super().__init__(a, b, *anchors, distance, 0.0, 0.0)
         self.collide_bodies = False
         self._native = native
+        self._on_hit, self._live = on_hit, LiveHit()
         self._touching_distance = distance
         self._known_overlap = self._known_rate = math.nan
         self._compiled_law: Any = None
@@ -151,6 +159,8 @@ class SoftContact(pymunk.DampedSpring):
             overlap = spring._touching_distance - dist
         was_closed, spring._was_closed = spring._was_closed, overlap > 0.0
         if overlap <= 0.0:
+            if spring._on_hit is not None:
+                spring._log_hit(overlap, 0.0)
             return 0.0
         try:
             _require_in_space(spring, overlap)
@@ -165,10 +175,38 @@ class SoftContact(pymunk.DampedSpring):
                 spring._look_at_step(overlap)
             if overlap > DEEP * spring._touching_distance:
                 spring._look_for_passing()
-            return spring._push_with_loss(force, was_closed) if spring._loss else force
+            push = spring._push_with_loss(force, was_closed) if spring._loss else force
+            if spring._on_hit is not None:
+                spring._log_hit(overlap, push)
+            return push
         except BaseException as error:  # including KeyboardInterrupt, which pymunk would only print
             raise_after_step(spring, error)
             return 0.0
+
+    @property
+    def on_hit(self) -> OnHit | None:
+        """Function that is called after each hit, or None."""
+        return self._on_hit
+
+    @on_hit.setter
+    def on_hit(self, on_hit: OnHit | None) -> None:
+        before, self._on_hit, self._live = self._on_hit, on_hit, LiveHit()
+        try:
+            self._use(self._wants_native(self._contact))
+        except RuntimeError:
+            self._on_hit = before
+            raise
+
+    def _log_hit(self, overlap: float, push: float) -> None:
+        """Add the present step to the hit, and call `on_hit` at the end of the step if the hit has ended."""
+        try:
+            stored = self._stores.energy(overlap) if overlap > 0.0 else 0.0
+            step = space_of(self).current_time_step
+            ended = self._live.step(step, overlap, self.rate, push, stored, self._loss)
+            if ended is not None and self._on_hit is not None:
+                call_after_step(self, partial(self._on_hit, self, ended))
+        except BaseException as error:  # including KeyboardInterrupt, which pymunk would only print
+            raise_after_step(self, error)
 
     @property
     def contact(self) -> LawLike:
@@ -362,6 +400,8 @@ class SoftContact(pymunk.DampedSpring):
         reason = compiled.unavailable() if isinstance(contact, Contact) else f"{contact!r} is not a Contact"
         if isinstance(contact, Contact) and contact.loss:
             reason = "the force of a contact with loss depends on velocities"
+        if self._on_hit is not None:
+            reason = "on_hit is called from a Python callback"
         if self._native and reason:
             raise RuntimeError(f"no compiled callback for this contact: {reason}; native=None takes a Python one")
         return not reason

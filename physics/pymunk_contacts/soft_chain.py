@@ -14,8 +14,9 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.chain import Chain
 from softcradle.physics.checked_input import magnitude, number_array, require_kind, shown
-from softcradle.physics.contact import Contact, power_law
+from softcradle.physics.contact import Contact, power_law, stored_energy
 from softcradle.physics.coupler import Coupler
+from softcradle.physics.hit_table import HitLog
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import NO_GRAPHS, NOTHING
@@ -180,6 +181,7 @@ class SoftChain:
         self._gone: list[int] = []  # contacts that were not in the Space during the last step
         self._pushed = np.zeros(n, dtype=bool)  # contacts that pushed during the last step
         self._fastest = 0.0  # speed of the fastest collision so far [m/s]
+        self._log: HitLog | None = None  # begins with the first call of `hits`
         self._unread: list[float | None] = [None] * n  # forces of the current step that pymunk has not read yet
         # the setters check their values
         self.contact = contact
@@ -228,6 +230,33 @@ class SoftChain:
         for row, values in zip(ROWS, state.rows, strict=True):
             getattr(self, row)[:] = values
         self._step = state.step
+        if self._log is not None:
+            self._log.forget()
+
+    def hits(self, threshold: float = 0.0) -> NDArray[np.void]:
+        """Return the table of the hits that ended since the last call, sorted by their begin.
+
+        The first call begins the log and returns an empty table, so call it before the first step. Without a call, the log costs
+        nothing. A hit lasts from the closing of a contact to its opening. Times are counted from the first call, and are
+        interpolated within a step. Impulses and dissipated energies are those of the steps, so their sums over a contact agree
+        with the motion to round-off. The largest force is the largest one at the ends of steps, or the mean of a step. After
+        `restore`, the log is empty. At most 10 000 hits are kept between two calls.
+
+        Parameters
+        ----------
+        threshold : float, optional
+            Smallest impulse [N s] of a returned hit. Hits with a smaller impulse are dropped.
+
+        Returns
+        -------
+        ndarray
+            Structured array with the columns of :meth:`softcradle.Trajectory.hits`: contact, begin [s], end [s], impulse [N s],
+            closing_speed [m/s], largest_force [N] and energy_lost [J].
+        """
+        least = magnitude("threshold", threshold, zero=True)
+        if self._log is None:
+            self._log = HitLog(len(self.bodies) - 1)
+        return self._log.take(least)
 
     def __iter__(self) -> Iterator[pymunk.Constraint]:
         return iter(self._links)
@@ -417,11 +446,25 @@ class SoftChain:
         overlap, rate = self._overlap.copy(), self._rate.copy()
         solved = _tier(solve_chain_step)(step, self._law, NO_GRAPHS, loss, self._absorbed, moving, *contacts, memory)
         self._unread = self._force.tolist()
+        if self._log is not None:
+            self._log_hits(self._log, step, overlap, rate)
         self._check_step(link, overlap, rate)
         if not solved:
             warnings.warn(
                 "the contacts of a SoftChain did not converge: take a smaller step", RuntimeWarning, stacklevel=2
             )
+
+    def _log_hits(self, log: HitLog, step: float, overlap: Array, rate: Array) -> None:
+        """Add the step to the `log` of hits; `overlap` and `rate` are those before the step."""
+        law, end = self._law.T, self._overlap
+        deepest = np.maximum(np.maximum(overlap, end), 0.0)
+        pushing = self._force > 0.0
+        whole = law[0] + law[1] * deepest ** law[2]  # loading branch
+        largest = np.where(pushing, np.maximum(self._force, np.where(rate > 0.0, whole, 0.0)), 0.0)
+        # work of the mean force less the increase of the stored energy; zero for an elastic contact
+        rise = stored_energy(*law, end) - stored_energy(*law, overlap)
+        lost = np.where(self._loss > 0.0, self._force * (end - overlap) - rise, 0.0)
+        log.add_step(step, (overlap, rate), (end, self._rate), self._force, largest, lost)
 
     def _require_own_bodies(self, space: pymunk.Space) -> None:
         """Raise RuntimeError if a body is not in the Space, if no contact can move it, or if two SoftChains share it."""

@@ -5,6 +5,7 @@ import pytest
 from softcradle.physics.analysis.closed_forms import one_on_one
 from softcradle.physics.analysis.hits import hits
 
+from benchmarks import hits as benchmark
 from softcradle import Chain, Coupler, TimedForce, draft_gear, hertz, hooke, one_on, power_law, simulate
 
 LAWS = [power_law(2.0, 0.1), hertz(50.0, loss=0.36), hooke(3.0), draft_gear(4.0, 0.3, loss=0.5)]
@@ -46,6 +47,26 @@ def test_the_largest_force_does_not_depend_on_the_samples():
     dense = simulate(chain, start, samples=20001).force.max(axis=0)
     assert coarse["largest_force"] == pytest.approx(fine["largest_force"], rel=1e-12)
     assert coarse["largest_force"][np.argsort(coarse["contact"])] == pytest.approx(dense, rel=1e-7)
+
+
+def test_the_largest_force_of_a_trajectory_is_exact():
+    """Compare with the closed form. The maximum of 201 samples is too small by more than 1e-5."""
+    law = hertz(50.0, loss=0.36)
+    run = simulate(Chain([1.5, 0.7, 1.0], law, gap=[0.2, 50.0]), [1.3, 0.0, 0.0], 2.0)
+    exact = one_on_one(law, 1.5 * 0.7 / 2.2, 1.3).peak_force
+    assert run.largest_force == pytest.approx([exact, 0.0], rel=1e-7)
+    assert run.force.max() < (1.0 - 1e-5) * exact
+    gear = draft_gear(100.0, 0.01)
+    pulled = simulate(Chain([1.0, 1.0], Coupler(gear, pull=gear, slack=0.02), gap=0.01), [0.0, 1.0], 0.3)
+    assert pulled.largest_force[0] == pytest.approx(pulled.force.min(), rel=1e-2)
+    assert pulled.largest_force[0] < 0.0
+
+
+def test_random_chains_have_the_hits_of_the_reference():
+    compared = [one for one in map(benchmark.compare, range(6)) if one is not None]
+    report = benchmark.summary(compared)
+    assert report.data["chains"] >= 5
+    assert report.data["held"] == report.data["same"] == report.data["chains"]
 
 
 def test_a_force_over_time_and_a_wall_are_in_the_balance():
