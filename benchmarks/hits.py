@@ -143,7 +143,7 @@ class Compared:
 
 
 def compare(seed: int) -> Compared | None:
-    """Compare one chain; None if the reference has no table for it."""
+    """Compare one chain; return None if the reference gives up or if a contact stays closed."""
     chain, velocity = random_chain(seed)
     with np.errstate(under="ignore"):  # Powers of overlaps close to 0 underflow.
         expected = reference_hits(chain, velocity)
