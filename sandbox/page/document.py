@@ -221,23 +221,24 @@ def _transport() -> str:
 def _share() -> str:
     """Return the dialog with the link, the QR code and the code for an embedding site, and with the files to hand in."""
 
-    def copied(name: str, word: str, tag: str, kind: str) -> str:
+    def copied(name: str, word: str, field: str, kind: str) -> str:
         return (
-            f'<label for="{name}" data-say="{word}"></label><{tag} id="{name}" readonly></{tag}>'.replace(
-                "></input>", ">"
-            )
-            + f'<button id="copy-{kind}" class="wide" data-say="copy" aria-describedby="{name}"></button>'
+            f'<label id="{name}-label" for="{name}" data-say="{word}"></label>{field}'
+            f'<button id="copy-{kind}" class="wide" data-say="copy" aria-labelledby="copy-{kind} {name}-label"></button>'
         )
 
+    link = copied("share-link", "share link", '<input id="share-link" readonly>', "link")
+    code = copied("share-code", "share code", '<textarea id="share-code" readonly></textarea>', "code")
     return (
         '<dialog id="share" aria-labelledby="share-title"><div id="share-part"><h2 id="share-title" data-say="share"></h2>'
-        f'<div id="share-link-part">{copied("share-link", "share link", "input", "link")}</div><p id="share-note"></p>'
+        f'<div id="share-link-part">{link}</div><p id="share-note"></p>'
         '<canvas id="qr" role="img" data-name="qr"></canvas>'
-        f"{copied('share-code', 'share code', 'textarea', 'code')}</div>"
+        f"{code}</div>"
         '<h2 data-say="hand in"></h2><div class="buttons"><button id="save-csv" class="wide" '
         'data-say="save csv"></button><button id="save-png" class="wide" data-say="save png"></button></div>'
-        '<details id="csv"><summary data-say="csv text"></summary><textarea id="csv-text" readonly data-name="csv text">'
-        '</textarea><button id="copy-csv" class="wide" data-say="copy" aria-describedby="csv-text"></button>'
+        '<details id="csv"><summary id="csv-label" data-say="csv text"></summary>'
+        '<textarea id="csv-text" readonly data-name="csv text"></textarea>'
+        '<button id="copy-csv" class="wide" data-say="copy" aria-labelledby="copy-csv csv-label"></button>'
         '</details><button id="close" class="wide" data-say="close"></button></dialog>'
     )
 

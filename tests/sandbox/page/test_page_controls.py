@@ -494,3 +494,43 @@ def test_a_finger_beside_the_beads_takes_none(browser, tmp_path):
     box = browser.run("(({left, top}) => [left, top])(page.stages[0].canvas.getBoundingClientRect())")
     browser.swipe((box[0] + 40, box[1] + 20), (box[0] + 140, box[1] + 22))
     assert browser.run("[page.source.hand, page.source.touched]") == [None, False]
+
+
+DIALOG = [
+    ("textbox", "Link with your settings"), ("button", "Copy Link with your settings"), ("textbox", "Code for a web page"),
+    ("button", "Copy Code for a web page"), ("button", "Table (CSV)"), ("button", "Picture (PNG)"),
+    ("DisclosureTriangle", "Table to copy, if downloads are blocked"), ("textbox", "Table to copy, if downloads are blocked"),
+    ("button", "Copy Table to copy, if downloads are blocked"), ("button", "Close"),
+]  # fmt: skip
+
+
+def test_every_control_of_the_dialog_has_its_role_and_name_and_is_reached_by_keys(live):
+    live.run("page.edit('loss', 0.1), page.pause(), part('link').focus()")
+    live.key("Enter")
+    live.until("part('share').open")
+    live.run("part('csv').open = true")
+    found = [(role, name) for role, name, _ in tree(live) if role in (*ROLES, "textbox")]
+    assert sorted(found) == sorted(DIALOG)  # Nothing else can be reached while the dialog is open.
+    reached = [live.run("document.activeElement.id")]
+    for _ in range(len(DIALOG) - 1):
+        live.key("Tab")
+        reached.append(live.run("document.activeElement.id || document.activeElement.tagName"))
+    assert reached == ["share-link", "copy-link", "share-code", "copy-code", "save-csv", "save-png", "csv-label", "csv-text",
+                       "copy-csv", "close"]  # fmt: skip
+    live.key("Enter")
+    assert live.run("[part('share').open, document.activeElement.id]") == [False, "link"]
+
+
+def test_the_question_is_answered_and_the_explanation_opened_by_keys(pages, browser):
+    browser.visit(pages(SCENE).output, "")
+    browser.run("page.next = () => 0, part('guess-together').focus()")
+    browser.key("Enter")
+    assert browser.run("[page.guess, page.playing, document.activeElement.id]") == ["together", True, "toggle"]
+    browser.run("delete page.next")
+    run_to_the_end(browser)
+    assert ("button", "Why?") in [(role, name) for role, name, _ in tree(browser)]
+    for pressed in ("true", "false"):
+        browser.run("part('explain').focus()")
+        browser.key(" ")
+        state = "[part('explain').ariaPressed, page.peaks !== null, document.activeElement.id]"
+        assert browser.run(state) == [pressed, pressed == "true", "explain"]
