@@ -14,6 +14,7 @@ from softcradle.physics.numerics.records import (
     NO_FLAGS,
     NO_GRAPHS,
     NO_KNOTS,
+    NO_STRINGS,
     NOTHING,
     POWER,
     SEGMENTS,
@@ -22,10 +23,11 @@ from softcradle.physics.numerics.records import (
     Dissipation,
     Graphs,
     Knots,
+    Strings,
     SwitchLog,
 )
 from softcradle.physics.segments import Segment
-from softcradle.physics.state import State, coupled_of
+from softcradle.physics.state import State, coupled_of, rest_of
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
 Array = NDArray[np.float64]
@@ -46,7 +48,7 @@ def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
     law, inverse_mass = law_rows(chain).copy(), chain.inverse_mass.copy()
     dissipates = chain.dissipative or chain.has_segments  # several segments are solved as if they dissipated energy
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else NO_DISSIPATION
-    special = graphs_of(chain, state), knots_of(chain, state), dissipation
+    special = graphs_of(chain, state), knots_of(chain, state), dissipation, strings_of(chain)
     push = state.external(chain)
     # Kernels put forces over time into this array.
     if chain.timed:
@@ -124,12 +126,17 @@ def knots_of(chain: Chain, state: State) -> Knots:
     return Knots(*chain.knot_rows, steady, friction, np.zeros(beads), np.zeros(friction.size), np.zeros(beads))
 
 
+def strings_of(chain: Chain) -> Strings:
+    """Return the Strings; without rows for a chain without strings."""
+    return Strings(np.append(*rest_of(chain)), chain.swing) if chain.swing else NO_STRINGS
+
+
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """Return the fields of the effective chain of adaptive steps, and those of its Regime without the graph. Without
     dissipation they share their arrays.
     """
-    law, inverse_mass, push, external, anchor, graph, knots, dissipation = chain_records(chain, state)
-    others = graph, knots, NO_DISSIPATION
+    law, inverse_mass, push, external, anchor, graph, knots, dissipation, strings = chain_records(chain, state)
+    others = graph, knots, NO_DISSIPATION, strings
     # Without dissipation the effective chain never changes.
     if not (chain.dissipative or chain.has_segments):
         regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, NO_FLAGS)

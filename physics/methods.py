@@ -144,6 +144,19 @@ def refusal_of(method: str, chain: Chain) -> str:
             "take 'accurate', 'conserving' or 'scipy'",
             method=method,
         )
+    if found and chain.swing and found.family is Family.PYMUNK:
+        return Message(
+            "no_strings",
+            "method {method!r} moves bodies in a row without strings: take 'conserving', 'accurate' or 'scipy'",
+            method=method,
+        )
+    # The adaptive steps count the overlap of each segment from its own origin, and strings from rest.
+    if chain.swing and chain.has_segments and (found is None or found.family is Family.ADAPTIVE):
+        return Message(
+            "segments_on_strings",
+            "method {method!r} takes beads on strings with one contact law from overlap 0 on: take 'conserving' or 'scipy'",
+            method=method,
+        )
     # Adaptive methods continue a segment smoothly beyond its ends, which needs an exponent of 1 or more.
     events = found is None or found.family is Family.ADAPTIVE
     if events and not all(coupler.smooth for _, coupler in chain.piecewise):

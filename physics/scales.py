@@ -13,7 +13,7 @@ from softcradle.physics.checked_input import SMALLEST
 from softcradle.physics.contact import Contact
 from softcradle.physics.messages import InputError
 from softcradle.physics.numerics.plain_kernels import powers
-from softcradle.physics.state import State, start_of
+from softcradle.physics.state import State, displacement, hanging_energy, rest_of, start_of
 
 Array = NDArray[np.float64]
 
@@ -96,6 +96,8 @@ def closing_scale(
         approach = 0.0
     if chain.pulls:  # separating beads come back
         approach = high - low
+    if chain.swing:  # and so do beads on strings
+        approach = swinging_speed(chain, velocity, overlap)
     found, apart = max(approach, _released_speed(chain, overlap)), high - low
     # Forces over time can give at most their largest acceleration times the time.
     if chain.forces:
@@ -119,6 +121,16 @@ def closing_scale(
     return max(found, LEAST_SCALE * apart, SPEED_ROUND_OFF / tolerance * apart)
 
 
+def swinging_speed(chain: Chain, velocity: Array, overlap: Array) -> float:
+    """Return an upper bound [m/s] of closing speeds on strings, from velocities (n+1,) and overlaps (n,) at any time.
+
+    The difference of two displacements swings with its energy.
+    """
+    return math.hypot(
+        np.ptp(velocity), math.sqrt(chain.swing) * np.ptp(displacement(chain, overlap, rest_of(chain)[1]))
+    )
+
+
 def largest_error(chain: Chain, start: State, end: State) -> Array:
     """Return (n+1,) the largest possible error [m/s] of the velocities of `end`, from momentum and the energy since
     `start`.
@@ -131,9 +143,10 @@ def largest_error(chain: Chain, start: State, end: State) -> Array:
     if walls.size > 1 or chain.forces or (walls.any() and chain.on_bed):
         return np.full(push.size, np.inf)
     stored = chain.stored_energy(start.overlap, force=start.force).sum()
-    mean, room = velocity_room(
-        np.asarray(chain.mass), np.asarray(chain.on_bed), start.velocity(chain), stored, push, passed
-    )
+    if chain.swing:
+        stored = stored + hanging_energy(chain, start.overlap, start.anchor[0])
+    held = np.asarray(chain.takes_momentum)
+    mean, room = velocity_room(np.asarray(chain.mass), held, start.velocity(chain), stored, push, passed)
     return np.abs(end.velocity(chain) - mean) + room
 
 
@@ -148,7 +161,7 @@ def is_possible(chain: Chain, start: State, error: float) -> bool:
 @per_chain
 def _least_share(chain: Chain) -> float:
     """Return the smallest sqrt(1/m - 1/M), as in `velocity_room`."""
-    total = math.inf if chain.walls or chain.on_bed else sum(chain.mass)
+    total = math.inf if chain.walls or chain.takes_momentum else sum(chain.mass)
     heaviest = max(mass for mass in chain.mass if mass < math.inf)
     return math.sqrt(max(1.0 / heaviest - 1.0 / total, 0.0))
 

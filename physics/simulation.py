@@ -18,7 +18,7 @@ from softcradle.physics.checked_input import magnitude, number_array, require_ki
 from softcradle.physics.messages import N_, InputError, Message
 from softcradle.physics.methods import AUTO, Family, Method, find_method, refusal_of, refusal_of_fineness
 from softcradle.physics.problem import MOST_STEPS, Problem, Record, Runner
-from softcradle.physics.scales import default_step, require_computable
+from softcradle.physics.scales import default_step, require_computable, swinging_speed
 from softcradle.physics.state import NO_SWITCHES, State
 from softcradle.physics.status import CodedWarning, WarningCode
 from softcradle.physics.trajectory import Interval, Trajectory
@@ -30,6 +30,7 @@ PUSHED_ON_A_BED = Message(
     "pushed_on_bed", "beads on a bed may never come apart from a wall that moves: give a duration"
 )
 DRIVEN = Message("driven", "a driven chain may never come apart: give a duration")
+HUNG = Message("hung", "beads on strings swing forever: give a duration")
 PULLED = Message("pulled", "a chain whose couplers pull never comes apart: give a duration")
 NO_AUTO = Message("no_auto", "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
 LEAST_TOLERANCE = 1e-16  # Smallest tolerance. A smaller error is not distinguishable from round-off.
@@ -59,8 +60,8 @@ def simulate(
         Start velocities [m/s].
     duration : float, optional
         Time to run [s]. None runs until every contact is open and none can close again (on a bed: none before the beads
-        have slid to rest), or until all beads rest. A chain with a permanent force needs a duration, and so do beads on
-        a bed to which a wall moves.
+        have slid to rest), or until all beads rest. A chain with a permanent force needs a duration, and so do beads
+        on strings and beads on a bed to which a wall moves.
     method : str, optional
         A name from METHODS, or "auto": a method and its step or tolerance such that this chain is computed with an
         error of `tolerance`. The rule is the same on every machine; the Trajectory contains the choice and its reason.
@@ -268,6 +269,8 @@ def endless(chain: Chain, velocity: ArrayLike) -> str:
     """Return the reason why a run of the chain may never end by itself; an empty string if it ends."""
     if chain.walls > 1:
         return TWO_WALLS
+    if chain.swing:
+        return HUNG
     if chain.lasts:
         return DRIVEN
     if chain.walls and pushes_on_a_bed(chain.mass, chain.on_bed, velocity):
@@ -294,7 +297,12 @@ def _step(
         length = magnitude("step", step)
         _refuse(refusal_of_fineness(method.name, step, None))
         return length
-    return 0.0 if method.adaptive else default_step(chain, state.velocity(chain), duration, whole and method.set_valued)
+    if method.adaptive:
+        return 0.0
+    speeds = state.velocity(chain)
+    if chain.swing and not whole:  # at a turning point the velocities show nothing of the closing speed
+        speeds = np.array((0.0, swinging_speed(chain, speeds, state.overlap)))
+    return default_step(chain, speeds, duration, whole and method.set_valued)
 
 
 def _problem(

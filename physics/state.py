@@ -101,6 +101,8 @@ class State:
         """
         require_kind("chain", chain, Chain)
         speeds = checked_velocity(chain, velocity)
+        if chain.swing and speeds[np.isinf(chain.mass)].any():
+            raise InputError("wall_on_strings", "a wall among beads on strings stays at rest: its velocity must be 0")
         overlap, place, force, coupled = start_of(chain)
         anchor = np.array([place, speeds[chain.anchor]])
         return cls(0.0, overlap.copy(), speeds[:-1] - speeds[1:], anchor, force.copy(), coupled=coupled.copy())
@@ -129,12 +131,14 @@ class State:
         return from_anchor(self.rate, self.anchor[1], chain.anchor)
 
     def energy(self, chain: Chain, velocity: Array | None = None) -> float:
-        """Return the kinetic energy plus the contact energy [J], without walls.
+        """Return the kinetic energy plus the energy of contacts and strings [J], without walls.
 
         `velocity` (n+1,) are the bead velocities [m/s] if they are known already.
         """
         moves = self.velocity(chain) if velocity is None else velocity
         kinetic = 0.5 * (chain.finite_mass * moves**2).sum()
+        if chain.swing:
+            kinetic += hanging_energy(chain, self.overlap, self.anchor[0])
         # At the start and the end of most motions all contacts are open.
         if not chain.piecewise and all(overlap <= 0.0 for overlap in self.overlap.tolist()):
             return float(kinetic)
@@ -196,6 +200,24 @@ def start_of(chain: Chain) -> tuple[Array, float, Array, NDArray[np.int8]]:
         force[i] = float(chain.contact[i].force(-gap[i]))
     position = np.concatenate(([0.0], np.cumsum(gap)))
     return 0.0 - gap, float(position[chain.anchor]), force, coupled
+
+
+@per_chain
+def rest_of(chain: Chain) -> tuple[Array, float]:
+    """Return the overlaps (n,) [m] of beads on strings at rest, and the position [m] of the anchor bead there: the start."""
+    overlap, place, _, _ = start_of(chain)
+    return overlap, place
+
+
+def displacement(chain: Chain, overlap: Array, anchor: Any) -> Array:
+    """Return the displacements (..., n+1) [m] of beads on strings from rest, at overlaps (..., n) and anchor positions (...)."""
+    rest, place = rest_of(chain)
+    return from_anchor(overlap - rest, np.asarray(anchor) - place, chain.anchor)
+
+
+def hanging_energy(chain: Chain, overlap: Array, anchor: Any) -> Any:
+    """Return the energy (...) [J] of beads on strings at overlaps (..., n) and anchor positions (...) [m]; 0 without strings."""
+    return 0.5 * chain.swing * (chain.finite_mass * displacement(chain, overlap, anchor) ** 2).sum(axis=-1)
 
 
 def coupled_at(chain: Chain, overlap: Array, force: Array) -> NDArray[np.int8]:

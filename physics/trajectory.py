@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from softcradle.physics import trajectory_file
 from softcradle.physics.chain import Chain
 from softcradle.physics.notebook_views import Moving
-from softcradle.physics.state import from_anchor
+from softcradle.physics.state import from_anchor, hanging_energy
 from softcradle.physics.status import Status, Warnings
 
 if TYPE_CHECKING:
@@ -182,6 +182,14 @@ class Trajectory(Moving):
         return self.chain.stored_energy(self.overlap, force=self.force).sum(axis=1)
 
     @cached_property
+    def string_energy(self) -> Array:
+        """Energy [J] of the beads on strings, shape (T,), relative to their places of rest; 0 without strings."""
+        if not self.chain.swing:
+            return np.zeros(self.time.size)
+        found: Array = hanging_energy(self.chain, self.overlap, self.anchor[:, 0])
+        return found
+
+    @cached_property
     def momentum(self) -> Array:
         """Momentum [N s] of the beads, shape (T,), without walls."""
         return self.velocity[:, self._bead] @ self.chain.finite_mass[self._bead]
@@ -190,10 +198,12 @@ class Trajectory(Moving):
     def ledger(self) -> Array:
         """Energy balance [J], shape (T,), which must stay constant.
 
-        It is kinetic energy + contact energy + energy dissipated by contacts and bed - `driven` - `by_walls`; NaN if
-        `by_walls` is unknown.
+        It is the energy of motion, contacts and strings + energy dissipated by contacts and bed - `driven` - `by_walls`; NaN
+        if `by_walls` is unknown.
         """
         energy = self.kinetic_energy + self.contact_energy - self.driven - self.by_walls
+        if self.chain.swing:
+            energy = energy + self.string_energy
         return energy + self.absorbed_by_contacts + self.absorbed_by_bed
 
     @cached_property

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics import Chain
-from softcradle.physics.state import from_anchor
+from softcradle.physics.state import displacement, from_anchor, hanging_energy
 
 Array = NDArray[np.float64]
 
@@ -57,9 +57,14 @@ class Motion:
 
     @cached_property
     def stored(self) -> Array:
-        """The (T,) energy stored in all contacts [J]."""
+        """The (T,) energy stored in all contacts, and in the strings of a cradle [J]."""
         energy: Array = self.chain.stored_energy(self.overlap, force=self.force).sum(axis=1)
-        return energy
+        return energy + hanging_energy(self.chain, self.overlap, self.anchor[:, 0]) if self.chain.swing else energy
+
+    @cached_property
+    def displacement(self) -> Array:
+        """The (T, n+1) displacements [m] of beads on strings from their places of rest."""
+        return displacement(self.chain, self.overlap, self.anchor[:, 0])
 
     @cached_property
     def momentum(self) -> Array:

@@ -249,7 +249,7 @@ def _contact(intervals: Sequence[tuple[float, float]], overlap: float, force: fl
 
 
 def _momentum_error(trajectory: Trajectory) -> float | None:
-    if trajectory.chain.walls or trajectory.chain.on_bed:
+    if trajectory.chain.walls or trajectory.chain.takes_momentum:
         return None
     undriven = trajectory.momentum - trajectory.impulse
     rows = slice(None) if _is_driven(trajectory) else slice(0, 1)

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, Strict, ValidationInfo, WrapValidator, field_validator, model_validator
 from softcradle.physics import notebook_views
+from softcradle.physics.chain import GRAVITY
 from softcradle.physics.checked_input import magnitude, shown
 from softcradle.physics.messages import Message
 from softcradle.physics.methods import AUTO, refusal_of, refusal_of_fineness
@@ -15,6 +16,7 @@ from softcradle.physics.scales import require_computable
 from softcradle.physics.simulation import checked_tolerance, endless
 from softcradle.physics.state import checked_velocity
 from softcradle.scenes.contact_table import ContactTable, table_of
+from softcradle.scenes.other_names import remedy_of
 from softcradle.scenes.toml_table import (
     AtLeastOne,
     Mass,
@@ -119,6 +121,9 @@ class Lane(Table):
         friction: Coulomb coefficient of the bed on which the beads slide; 0 means no friction.
         forces: forces over time on some beads, in addition to the drive.
         brakes: brakes over time on some beads, in addition to the friction of the bed.
+        strings: length [m] of the strings on which all beads hang; then the scene needs a duration. Each bead swings about its
+            place at the start.
+        gravity: acceleration [m/s²] that pulls beads on strings back; None means standard gravity.
     """
 
     label: Label = ""
@@ -132,6 +137,8 @@ class Lane(Table):
     friction: NotNegative = 0.0
     forces: tuple[ForceTable, ...] = ()
     brakes: tuple[ForceTable, ...] = ()
+    strings: Positive | None = None
+    gravity: Positive | None = None
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
@@ -155,6 +162,14 @@ class Lane(Table):
             not isinstance(beads, list | tuple) or isinstance(table.get("gap"), list | tuple)
         ):
             yield Message("approach", "approach needs beads = [strikers, targets] and no list of gaps")
+        if table.get("gravity") is not None and table.get("strings") is None:
+            remedy = remedy_of("gravity", table, [*cls.model_fields])
+            table.pop("gravity")
+            yield Message(
+                "gravity",
+                "gravity needs strings, a length in m; without strings {remedy}",
+                remedy=remedy.sentence if remedy else "",
+            )
         count = count_of(table)
         if count is None:
             return
@@ -211,7 +226,9 @@ class Lane(Table):
         laws = [
             table_of(contact) for contact in chain.contact if isinstance(contact, physics.Contact | physics.Coupler)
         ]
-        table = {name: getattr(chain, name) for name in ("mass", "gap", "drive", "friction")}
+        table = {name: getattr(chain, name) for name in ("mass", "gap", "drive", "friction", "strings", "gravity")}
+        if chain.strings is None:
+            del table["strings"], table["gravity"]
         table |= {name: tuple(map(asdict, getattr(chain, name))) for name in ("forces", "brakes")}
         contact = laws[0] if all(law == laws[0] for law in laws) else laws
         return cls.model_validate({**table, "label": label, "contact": contact, "velocity": tuple(velocity)})
@@ -224,7 +241,17 @@ class Lane(Table):
             [table.contact() for table in self.contact] if isinstance(self.contact, tuple) else self.contact.contact()
         )
         forces, brakes = ([table.timed_force() for table in tables] for tables in (self.forces, self.brakes))
-        return physics.Chain(masses, contacts, self._gaps(count - 1), self.drive, self.friction, forces, brakes)
+        return physics.Chain(
+            masses,
+            contacts,
+            self._gaps(count - 1),
+            self.drive,
+            self.friction,
+            forces,
+            brakes,
+            self.strings,
+            self.gravity or GRAVITY,
+        )
 
     def _gaps(self, contacts: int) -> tuple[float, ...]:
         if isinstance(self.gap, tuple):

@@ -106,10 +106,10 @@ def save_all(folder: Path) -> None:
     app.toggle_theme()
     _save_help(app, folder)
     _save_languages(app, folder)
-    app.open("hanging-cradle")
+    app.open("cradle")
     app.act("play_pause")
     run_frames(app, 72)
-    save(app, folder, "hanging-cradle")
+    save(app, folder, "cradle")
     app.close()
 
 

@@ -36,10 +36,10 @@ FOR_ANY_MACHINE = {
 
 # Numbers, then addresses, then the parts for dissipation. Arguments that no frame of a page needs are left out or
 # empty.
-NUMBERS = "n, anchor_bead, pushed, rows, most_steps, h, start, end"
+NUMBERS = "n, anchor_bead, pushed, rows, most_steps, h, start, end, swing"
 ARRAYS = (
     "law, inverse_mass, push, overlap, rate, anchor, force, absorbed, log_contact, log_time, closed, counter, plan, beads, "
-    "work, reached"
+    "work, reached, rest"
 )
 LOSSY = "loss, bed, beds"
 KERNEL = """
@@ -49,8 +49,9 @@ def march({names}):
     knots = Knots(none, view(law, (0, 0)), view(law, (0, 0)), none, none, none, none, none)
     rows_2, whole = view(law, (0, 0)), view(counter, (0,))
     graph = Graphs(no_flags, no_flags, whole, rows_2, view(counter, (0, 4)), rows_2, rows_2, rows_2, rows_2)
+    strings = Strings(view(rest, (n + 1 if swing > 0.0 else 0,)), swing)
     outside = view(push, (m,)), view(push, (m,))
-    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), *outside, int64(anchor_bead), graph, knots, {dissipation}
+    chain = view(law, (n, 3)), view(inverse_mass, (n + 1,)), *outside, int64(anchor_bead), graph, knots, {dissipation}, strings
     motion = (
         view(overlap, (n,)), view(rate, (n,)), view(anchor, (2,)), view(force, (n,)), view(absorbed, (2,)), no_flags, no_flags
     )
@@ -128,18 +129,18 @@ def kernel(name: str) -> tuple[Any, Any]:
     from softcradle.physics.fixed_step import step_loop
     from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
     from softcradle.physics.numerics.contact_solve import BEAD_ROWS
-    from softcradle.physics.numerics.records import COUNTERS, Dissipation, Graphs, Knots
+    from softcradle.physics.numerics.records import COUNTERS, Dissipation, Graphs, Knots, Strings
 
     floats, flags, counts = (types.CPointer(kind) for kind in (types.float64, types.int8, types.int64))
     whole, number = types.int32, types.float64
-    kinds = {"h": number, "start": number, "end": number, "closed": flags} | dict.fromkeys(
+    kinds = {"h": number, "start": number, "end": number, "swing": number, "closed": flags} | dict.fromkeys(
         NUMBERS.split(", ")[:5], whole
     )
     kinds |= {"log_contact": counts, "counter": counts, "plan": counts, "beds": whole}
     names, dissipation = KERNELS[name]
     found: dict[str, Any] = {
         "view": view_intrinsic(), "int64": int64, "step_loop": step_loop, "WORK_ROWS": WORK_ROWS, "COUNTERS": COUNTERS,
-        "Dissipation": Dissipation, "Graphs": Graphs, "Knots": Knots, "BEAD_ROWS": BEAD_ROWS,
+        "Dissipation": Dissipation, "Graphs": Graphs, "Knots": Knots, "Strings": Strings, "BEAD_ROWS": BEAD_ROWS,
     }  # fmt: skip
     exec(KERNEL.format(names=names, dissipation=dissipation), found)
     return found["march"], types.int32(*(kinds.get(each, floats) for each in names.split(", ")))

@@ -23,6 +23,7 @@ from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.fixed_step.step_loop import NEVER
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS, DONE
+from softcradle.physics.state import rest_of
 
 from tools import browser
 from tools.wasm_kernels import ARRAYS, FILE, LOSSY
@@ -166,7 +167,7 @@ class WasmKernels:
             end += -(-array.nbytes // 8) * 8
         image = b"".join(array.tobytes().ljust(-(-array.nbytes // 8) * 8, b"\0") for array in arrays.values())
         numbers = [chain.contacts, chain.anchor, int(state.external(chain) is not None), 0, MOST_STEPS]
-        numbers += [step, state.time, state.time + duration]
+        numbers += [step, state.time, state.time + duration, chain.swing]
         addresses = [places[name] for name in ARRAYS.split(", ")]
         kernel = "march"
         if chain.dissipative:
@@ -194,7 +195,7 @@ def _arrays(chain: Chain, state: State) -> dict[str, NDArray[Any]]:
         "log_contact": nothing, "log_time": nothing, "closed": state.closed.astype(np.int8),
         "counter": np.zeros(COUNTERS, dtype=np.int64), "plan": np.array([0, NEVER, 0]),
         "beads": np.zeros((BEAD_ROWS, n + 1)), "work": np.zeros((WORK_ROWS, n)), "reached": np.zeros(1),
-        "loss": chain.loss, "bed": chain.bed,
+        "loss": chain.loss, "bed": chain.bed, "rest": np.append(*rest_of(chain)),
     }  # fmt: skip
     assert found.keys() >= {*ARRAYS.split(", "), *LOSSY.split(", ")[:2]}
     return found

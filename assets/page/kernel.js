@@ -28,7 +28,7 @@ class Kernel {
       law: doubles(3 * n), inverseMass: doubles(n + 1), push: doubles(n + 1), overlap: doubles(n), rate: doubles(n), anchor: doubles(2),
       force: doubles(n), absorbed: doubles(2), closed: place(Uint8Array, n), counter: place(Int32Array, COUNTER_WORDS * sizes.counters),
       plan: place(Int32Array, 6), beads: doubles(sizes.beadRows * (n + 1)), work: doubles(sizes.workRows * n), reached: doubles(1),
-      result: place(Int32Array, 2), loss: doubles(n), bed: doubles(n + 1),
+      result: place(Int32Array, 2), loss: doubles(n), bed: doubles(n + 1), rest: doubles(n + 1),
     };
     const array = (name) => { const { Kind, at: from, size } = places[name]; return new Kind(memory.buffer, from, size); };
     this.n = n;
@@ -45,13 +45,15 @@ class Kernel {
     /** @type {Float64Array} */ this.absorbed = array("absorbed");
     /** @type {Float64Array} */ this.loss = array("loss");
     /** @type {Float64Array} */ this.bed = array("bed");
+    /** @type {Float64Array} */ this.rest = array("rest"); // Overlaps and position of the anchor bead of a row on strings at rest.
+    this.swing = 0; // Squared angular frequency of the strings in 1/s²; 0 without strings.
     this.closed = array("closed");
     this.counter = array("counter");
     this.reached = array("reached");
     this.result = array("result");
     array("plan").set([0, 0, 0, NEVER, 0, 0]);
     const names = ["law", "inverseMass", "push", "overlap", "rate", "anchor", "force", "absorbed", "reached", "reached", "closed",
-      "counter", "plan", "beads", "work", "reached"];
+      "counter", "plan", "beads", "work", "reached", "rest"];
     this.arrays = names.map((name) => places[name].at);
     this.lossArrays = [places.loss.at, places.bed.at];
     this.time = 0;
@@ -63,7 +65,7 @@ class Kernel {
     this.counter.fill(0);
     for (let i = 0; i < n; i++) closed[i] = overlap[i] > 0 || (overlap[i] === 0 && force[i] > 0) ? 1 : 0;
     const numbers = [this.result.byteOffset, this.result.byteOffset + 4, n, this.anchorBead, pushed ? 1 : 0, 0, MOST_STEPS, step,
-      this.time, this.time + duration];
+      this.time, this.time + duration, this.swing];
     const lossy = slides || this.loss.some((value) => value > 0);
     const failed = lossy ? this.marchLossy(...numbers, ...this.arrays, ...this.lossArrays, slides ? n + 1 : 0)
       : this.march(...numbers, ...this.arrays);

@@ -71,7 +71,10 @@ class Live {
   }
 
   // Return the number of frames that need `work` contacts times steps.
-  framesOf(work) { return Math.ceil(work / (this.steps * this.rows.reduce((sum, row) => sum + row.kernel.n, 0))); }
+  framesOf(work) {
+    const each = this.rows.reduce((sum, row) => sum + row.kernel.n / (row.spec.swing ? FLOWN : 1), 0);
+    return Math.ceil(work / (this.steps * each));
+  }
 
   // Run ahead to find the axes and the length of the motion, within a time limit. The rows move; they have to start again afterwards.
   lookAhead() {

@@ -153,7 +153,7 @@ class Page {
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
       marks: !source.touched && hasMarks(spec, data.length), // A throw by the user changes the initial clusters.
       dissipative: source.live ? spec.friction > 0 || spec.loss.some((loss) => loss > 0) : given.dissipative,
-      driven: Boolean(given?.driven), drive: spec.drive?.some(Boolean) ? spec.drive : null,
+      driven: Boolean(given?.driven), drive: spec.drive?.some(Boolean) ? spec.drive : null, strings: spec.strings, rest: restOf(spec.gap),
       deepest: this.source.scales.deepest[lane] };
   }
 

@@ -3,12 +3,13 @@
 const GRAVITY = 9.80665; // Gravitational acceleration in m/s².
 const STRUCK = 0.2; // Fraction of the closing speed above which a closing contact counts as struck, so that a cluster ends there.
 const ALIKE = 1e-6; // Fraction of the closing speed below which the initial velocities of neighbours count as equal.
+const FLOWN = 20; // Factor by which a frame of a row on strings may have more steps: the steps between contacts are done in one go.
 const HEAD = 8; // Numbers in a stored state before its lists.
 
 /**
  * The initial state and the laws of a row; masses, gaps and velocities from left to right.
  * @typedef {{mass: (number|null)[], gap: number[], velocity: number[], law: number[], loss: number[], friction: number,
- *   drive: number[]|null, speed: number}} Spec
+ *   drive: number[]|null, speed: number, swing: number, strings: number|null}} Spec
  */
 
 class Row {
@@ -44,6 +45,9 @@ class Row {
       kernel.force[i] = spec.gap[i] < 0 ? this.lawForce(i) : 0;
     }
     kernel.anchor.set([place[anchorBead], spec.velocity[anchorBead]]);
+    kernel.rest.set([...kernel.overlap, place[anchorBead]]);
+    kernel.swing = spec.swing;
+    this.place = place;
     kernel.absorbed.fill(0);
     kernel.time = 0;
     for (let i = 0; i < n; i++) this.ends[i] = Math.abs(kernel.rate[i]) > ALIKE * spec.speed ? 1 : 0;
@@ -66,7 +70,15 @@ class Row {
     let sum = absorbed[0] + absorbed[1];
     for (let j = 0; j <= n; j++) sum += 0.5 * mass[j] * velocity[j] ** 2;
     for (let i = 0; i < n; i++) sum += this.stored(i);
-    return sum;
+    return sum + this.hanging();
+  }
+
+  // Return the energy of beads on strings, relative to their places of rest.
+  hanging() {
+    const { kernel, mass, place } = this, { swing } = kernel;
+    if (!swing) return 0;
+    const position = kernel.rebuilt(kernel.overlap, kernel.anchor[0], this.position);
+    return mass.reduce((sum, m, j) => sum + 0.5 * swing * m * (position[j] - place[j]) ** 2, 0);
   }
 
   // Return the error of the energy balance relative to the initial energy and the external work since.
@@ -83,7 +95,7 @@ class Row {
       const [F, K, a] = law.subarray(3 * i, 3 * i + 3), energy = 0.5 * speed ** 2 / (inverseMass[i] + inverseMass[i + 1]);
       shortest = Math.min(shortest, 2 * Math.min(energy / F, ((1 + a) * energy / K) ** (1 / (1 + a))) / speed);
     }
-    const most = Math.max(1, Math.floor(STORY.frameCost / (STORY.stepCost * n)));
+    const most = Math.max(1, Math.floor(STORY.frameCost * (this.spec.swing ? FLOWN : 1) / (STORY.stepCost * n)));
     return Math.max(1, Math.min(Math.ceil(duration * STORY.contactSteps / shortest - 1e-9), most));
   }
 
@@ -141,6 +153,7 @@ class Row {
   // True if no contact is closed or can close, or if nothing moves any more. A single frame without motion may be a turning point.
   get apart() {
     const { n, overlap, rate, force } = this.kernel, least = STORY.atRest * this.spec.speed;
+    if (this.spec.swing) return false; // Beads on strings meet again.
     if (this.still > 1) return true;
     // A moving wall catches up with beads that the bed has stopped.
     if (this.spec.drive || (this.spec.friction > 0 && !this.balanced)) return false;
@@ -166,6 +179,7 @@ class Row {
       now.state[i] = overlap[i] > 0 ? "loaded" : overlap[i] === 0 ? "touching" : "open";
       now.stored += this.stored(i);
     }
+    now.stored += this.hanging();
     now.absorbed = absorbed[0] + absorbed[1];
     now.ends.set(this.ends);
     return now;

@@ -72,13 +72,16 @@ class Stage {
     pen.drawImage(this.layer.canvas, 0, 0);
     pen.globalCompositeOperation = "source-over";
     pen.setTransform(view.density, 0, 0, view.density, 0, 0);
-    const edges = this.edges = leftEdges(now, view, data), faces = edges.slice(0, -1).map((x) => x + view.size);
+    const edges = this.edges = leftEdges(now, view, data);
+    view.rises = risesOf(view, now);
+    const faces = edges.slice(0, -1).map((x) => x + view.size);
     now.contacts = faces.map((face, k) => (face + edges[k + 1]) / 2);
+    if (view.motion.strings) strings(pen, view, edges, now);
     bodies(pen, view, data, edges, faces);
     if (view.forces) forceBars(pen, view, data, now);
     arrows(pen, view, data, edges, now);
     if (view.motion.drive) drives(pen, view, edges);
-    if (held) hold(pen, view, edges[held.bead], held.across);
+    if (held) hold(pen, view, edges[held.bead], held.across, view.rises[held.bead]);
     if (view.loupeFit.contacts.length) loupes(pen, view.loupeFit, view, now, view.tall);
     if (view.balance) balances(pen, view, data, now, view.tall + view.loupeFit.height);
   }
@@ -86,7 +89,7 @@ class Stage {
   // Return the bead at a point of the canvas, or the nearest bead within the width of a finger, or -1.
   beadAt(x, y) {
     const { view, edges } = this;
-    if (y < view.ground - 1.6 * view.size - 24 || y > view.ground + 30) return -1;
+    if (y < view.ground - 1.6 * view.size - 24 - Math.max(...view.rises) || y > view.ground + 30) return -1;
     let found = -1, least = view.size / 2 + 22;
     edges.forEach((edge, k) => {
       const away = Math.abs(x - edge - view.size / 2);
@@ -99,8 +102,8 @@ class Stage {
 }
 
 // Draw a ring around the bead that is held or chosen, and the string to the hand.
-function hold(pen, view, edge, across) {
-  const x = edge + view.size / 2, y = view.ground - view.size / 2;
+function hold(pen, view, edge, across, rise) {
+  const x = edge + view.size / 2, y = view.ground - view.size / 2 - rise;
   pen.strokeStyle = pen.fillStyle = view.theme.ink;
   pen.lineWidth = 2;
   pen.beginPath();
@@ -114,6 +117,37 @@ function hold(pen, view, edge, across) {
   pen.beginPath();
   pen.arc(across, y, 5, 0, 2 * Math.PI);
   pen.fill();
+}
+
+// Return the positions of beads at rest, from the gaps between them.
+const restOf = (gap) => gap.reduce((found, one) => [...found, found[found.length - 1] + one], [0]);
+
+// Return the drawn length of the strings: to scale, but not beyond the captions.
+function stringOf({ motion, scale, ground, size, captions }) {
+  return Math.min(scale * motion.strings, ground - size / 2 - captions.bottom);
+}
+
+// Return how far each bead is drawn above the ground. Beads on strings move along arcs.
+function risesOf(view, now) {
+  const { motion, scale } = view;
+  if (!motion.strings) return Array.from(now.position, () => 0);
+  const long = stringOf(view);
+  return Array.from(now.position, (x, k) => long - Math.sqrt(long ** 2 - Math.min(Math.abs(scale * (x - motion.rest[k])), 0.99 * long) ** 2));
+}
+
+// Draw the bar on which the beads hang, and their strings.
+function strings(pen, view, edges, now) {
+  const { motion, scale, size, ground, theme } = view, top = ground - size / 2 - stringOf(view);
+  const ends = edges.map((x, k) => x + size / 2 - scale * (now.position[k] - motion.rest[k]));
+  pen.fillStyle = pen.strokeStyle = theme.muted;
+  pen.fillRect(ends[0] - size, top - 3, ends[ends.length - 1] - ends[0] + 2 * size, 3);
+  pen.lineWidth = 1;
+  pen.beginPath();
+  ends.forEach((x, k) => {
+    pen.moveTo(x, top);
+    pen.lineTo(edges[k] + size / 2, ground - size / 2 - view.rises[k]);
+  });
+  pen.stroke();
 }
 
 // Return the left edges of the beads on screen. Overlaps are magnified as the scene demands, while the mean position is kept.
@@ -180,25 +214,25 @@ function ruler(pen, view, data) {
 }
 
 function bodies(pen, view, data, edges, faces) {
-  const { motion, size, ground, colours, theme } = view, last = motion.contacts - 1;
+  const { motion, size, colours, theme } = view, last = motion.contacts - 1, grounds = view.rises.map((rise) => view.ground - rise);
   const isGear = (k) => motion.gears[Math.min(k, last)];
   const greatest = Math.max(...motion.mass), differ = motion.massLabels.length > 0;
   edges.forEach((x, k) => {
     if (!isGear(k) || motion.mass[k] === null) return;
     const end = k < faces.length ? Math.min(faces[k], edges[k + 1]) : x + size;
-    piston(pen, end, ground, size, theme);
+    piston(pen, end, grounds[k], size, theme);
   });
   edges.forEach((x, k) => {
-    if (motion.mass[k] === null) wall(pen, x, ground, size, theme);
-    else if (isGear(k)) cylinder(pen, x, ground, size, colours[k], theme);
-    else bead(pen, x, ground, size, colours[k], differ ? 0.92 * Math.sqrt(motion.mass[k] / greatest) : 0, theme);
+    if (motion.mass[k] === null) wall(pen, x, grounds[k], size, theme);
+    else if (isGear(k)) cylinder(pen, x, grounds[k], size, colours[k], theme);
+    else bead(pen, x, grounds[k], size, colours[k], differ ? 0.92 * Math.sqrt(motion.mass[k] / greatest) : 0, theme);
   });
   const digits = (data.height < 1 ? 0.31 * CYLINDER_HEIGHT : 0.36) * size;
   if (!data.numbered || digits < 8) return;
   edges.forEach((x, k) => {
     if (motion.mass[k] === null) return;
     const [across, up] = isGear(k) ? [0.5 * CYLINDER_LENGTH, 0.5 * CYLINDER_HEIGHT] : [0.5, 0.5];
-    write(pen, String(k), x + across * size, ground - up * size + 0.36 * digits, digits, view.digitColours[k], "center", true);
+    write(pen, String(k), x + across * size, grounds[k] - up * size + 0.36 * digits, digits, view.digitColours[k], "center", true);
   });
 }
 

@@ -21,7 +21,7 @@ from softcradle.physics.state import State
 
 from benchmarks.scan.collocation import EPSILON, Array, Extended, Tableau, tableau
 from benchmarks.scan.monotone_rows import HELD, OPEN, PRESSED, RELEASED, STICKS, TOUCHING, Branches, Rows
-from benchmarks.scan.stage_equations import Point, Stages
+from benchmarks.scan.stage_equations import Point, Stages, Strings
 
 STAGES = 7  # Number of stages of a step. The order is 13.
 GROWTH, SAFETY = 4.0, 0.8  # Largest ratio of successive steps, and fraction of the step that the local error allows.
@@ -140,6 +140,7 @@ class ExtendedRun:
         self.time = Extended(state.time)
         self.point = _first_point(self.rows, chain, state)
         self.position = state.position(chain).astype(Extended)
+        self.rest = State.at_start(chain, np.zeros(len(chain.mass))).position(chain).astype(Extended)
         rows = self.rows
         if chain.forces:
             strongest = max(chain.drives, key=lambda force: float(np.abs(force).max()))
@@ -190,10 +191,29 @@ class ExtendedRun:
             friction = np.where(point.side == STICKS, point.friction, point.side * self.rows.bed)
             point.friction = np.clip(friction, -self.rows.bed, self.rows.bed)
 
+    def _strings(self) -> Strings | None:
+        """Return the strings of the chain at the present time; None without strings."""
+        chain = self.chain
+        if not chain.swing:
+            return None
+        rest = self.rows.of_contacts(self.rest[:-1] - self.rest[1:], origin=True)
+        return Strings(Extended(chain.gravity) / Extended(chain.strings), rest, self.position - self.rest)
+
+    def _pulled(self, rows: Rows, displacement: Array) -> Rows:
+        """Return the constraints with the pull of the strings on beads at displacements (..., n+1) [m] as external forces."""
+        mass = np.where(rows.inverse_mass > 0.0, 1.0 / np.where(rows.inverse_mass > 0.0, rows.inverse_mass, 1.0), 0.0)
+        return replace(rows, external=rows.external - Extended(self.chain.swing) * mass * displacement)
+
     def _rests(self) -> bool:
         """Return True if no bead moves or is accelerated. Under steady forces the chain stays at rest."""
         point = self.point
-        if self.span.changes or self.steps <= FIRST_STEPS or point.velocity.any() or point.rate.any():
+        if (
+            self.span.changes
+            or self.chain.swing
+            or self.steps <= FIRST_STEPS
+            or point.velocity.any()
+            or point.rate.any()
+        ):
             return False
         acceleration = np.abs(self.rows.acceleration(point.force, point.friction))
         return bool((acceleration <= 1e-12 * np.abs(point.force).max(initial=0.0) * self.rows.inverse_mass).all())
@@ -230,10 +250,16 @@ class ExtendedRun:
             return
         slack = SLACK * self.tolerance * self.speed
         rows = self._stage_rows(h, self.tableau.node)
-        stages = Stages(rows, self.tableau, self.point, h, self._left_by_newton()).solve()
+        strings = self._strings()
+        stages = Stages(rows, self.tableau, self.point, h, self._left_by_newton(), strings=strings).solve()
         if stages is None:
             self.length = 0.25 * float(h)
             return
+        # The guards see the strings as external forces at the stages.
+        taken, at_end = rows, rows if rows is self.rows else self._rows(self.time + h)
+        if strings is not None:
+            displacement = strings.displacement + h * (self.tableau.once @ stages.velocity)
+            rows, at_end = self._pulled(rows, displacement), self._pulled(at_end, displacement[-1])
         error = local_error(self.tableau, rows, stages, float(h)) / (self.tolerance * self.speed)
         factor = SAFETY * max(error, 1e-30) ** (-0.5 / self.stages)
         if error > 1.0:
@@ -242,10 +268,9 @@ class ExtendedRun:
             self.length = 0.5 * float(h)
         else:
             corner = next_corner(
-                self.tableau, rows if rows is self.rows else self._rows(self.time + h), stages, float(h), self.speed,
-                CROSSING * self.tolerance * self.speed,
-            )  # fmt: skip
-            self._take(stages, h, rows)
+                self.tableau, at_end, stages, float(h), self.speed, CROSSING * self.tolerance * self.speed
+            )
+            self._take(stages, h, taken)
             grown = float(h) * min(GROWTH, max(0.2, factor))
             if h < self.length:  # The end of the run shortened this step.
                 grown = max(grown, self.length)
@@ -280,7 +305,7 @@ class ExtendedRun:
         speed = float(np.abs(self.point.velocity).max()) + self.speed
         wanted, strict = SLACK * self.tolerance * self.speed, 4.0 * EPSILON * speed
         rows = self._stage_rows(h, tableau(1).node)
-        stages = Stages(rows, tableau(1), self.point, h, wanted, strict).solve()
+        stages = Stages(rows, tableau(1), self.point, h, wanted, strict, self._strings()).solve()
         if stages is not None:
             self._take(stages, h, rows)
             self.length = GROWTH * float(h)

@@ -373,6 +373,24 @@ def _bed_exponent(draw: Draw) -> float:
     return float(draw.choice([1.0, 1.5, 2.0, 2.5, 3.0, 3.0, 3.5, 4.0]))
 
 
+def strings(draw: Draw) -> tuple[Chain, Array, float | None]:
+    """Return beads on strings, sometimes with gaps, a wall, a drive or loss, for up to two and a half swings."""
+    n = int(draw.integers(1, 6))
+    mass, laws, velocity = _masses(draw, n), _laws(draw, n), _strike(draw, n)
+    if draw.random() < 0.25:
+        laws = [replace(law, loss=float(draw.uniform(0.05, 0.9))) for law in laws]
+    if n > 1 and draw.random() < 0.15:
+        mass[-1], velocity[-1] = math.inf, 0.0
+    drive = draw.normal(size=n + 1) * float(_log(draw, 0.01, 0.3)) if draw.random() < 0.15 else None
+    # The contacts last from a thousandth to a third of a swing.
+    contact_time = _time(draw, Chain(mass, laws), velocity)
+    length = GRAVITY * (contact_time / float(_log(draw, 6e-3, 2.0))) ** 2
+    period = 2.0 * math.pi * math.sqrt(length / GRAVITY)
+    gap = np.where(draw.random(n) < 0.75, 0.0, draw.uniform(-0.02, 0.1, n))
+    chain = Chain(mass, laws, gap, drive, strings=length)
+    return chain, velocity, period * float(draw.uniform(0.2, 2.5))
+
+
 FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "power": power,
     "mixed": mixed,
@@ -391,6 +409,7 @@ FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
     "bounded": bounded,
     "bed-struck": bed_struck,
     "bed-pressed": bed_pressed,
+    "strings": strings,
 }
 
 

@@ -64,6 +64,21 @@ class Point:
         return Point(*(value[-1].copy() for value in vars(self).values()))
 
 
+@dataclass(frozen=True)
+class Strings:
+    """Strings on which the beads hang, at the start of a step.
+
+    Attributes:
+        square: gravity / length [1/s²].
+        rest: (m,) overlaps of the contacts at rest [m].
+        displacement: (n+1,) displacements of the beads from rest [m].
+    """
+
+    square: Extended
+    rest: Array
+    displacement: Array
+
+
 class Stages:
     """The stage equations of one step of length `h` from `start`. `solve` returns the stages or None."""
 
@@ -75,10 +90,15 @@ class Stages:
         h: Extended,
         wanted: float,
         wanted_at_rest: float | None = None,
+        strings: Strings | None = None,
     ) -> None:
         self.rows, self.start, self.h = rows, start, h
         self.once, self.twice = h * tableau.once, h * h * tableau.twice
         self.drift = start.overlap + h * tableau.node[:, None] * start.rate
+        # Velocity changes of contacts and beads by the strings.
+        self.pulled, self.pulled_beads = np.zeros_like(self.drift), np.zeros((1, start.velocity.size), dtype=Extended)
+        if strings is not None:
+            self._hang(strings, tableau)
         # Allowed errors of velocities [m/s] after the iteration: in general, and for velocities that are 0.
         self.wanted, self.wanted_at_rest = wanted, wanted if wanted_at_rest is None else wanted_at_rest
         self.round_off = 8.0 * EPSILON * (np.abs(start.overlap) + np.abs(h * start.rate))
@@ -88,6 +108,19 @@ class Stages:
         # which these beads are walls.
         self.firm, self.free = np.zeros(rows.bed.shape[-1], dtype=bool), rows
         self.once_double, self.twice_double = self.once.astype(np.float64), self.twice.astype(np.float64)
+
+    def _hang(self, strings: Strings, tableau: Tableau) -> None:
+        """Include the pull of the strings: accelerations a at the stages solve (I + omega² h² A²) a = a0 - omega² y.
+
+        a0 are the accelerations by all other forces, and y are the displacements from rest without any force.
+        """
+        inverse = _inverse(np.eye(tableau.stages, dtype=Extended) + strings.square * self.twice)
+        free = self.drift - strings.rest
+        beads = strings.displacement + self.h * tableau.node[:, None] * self.start.velocity
+        self.once, self.twice = self.once @ inverse, self.twice @ inverse
+        self.drift = self.drift - strings.square * (self.twice @ free)
+        self.pulled = -strings.square * (self.once @ free)
+        self.pulled_beads = -strings.square * (self.once @ beads)
 
     def solve(self) -> Point | None:
         """Return the stages, or None if Newton's iteration does not converge.
@@ -151,8 +184,8 @@ class Stages:
         acceleration = self.free.acceleration(stages.force, stages.friction)
         closing = self.rows.closing(acceleration)
         overlap = self.drift + self.twice @ closing
-        stages.rate = self.start.rate + self.once @ closing
-        velocity = self.start.velocity + self.once @ acceleration
+        stages.rate = self.start.rate + self.once @ closing + self.pulled
+        velocity = self.start.velocity + self.once @ acceleration + self.pulled_beads
         held = stages.branch == HELD
         stages.overlap = np.where(held, overlap, stages.overlap)
         contact_error = np.where(held, -stages.rate, stages.overlap - overlap)
@@ -327,6 +360,14 @@ def _least(matrix: Double, right: Double) -> Double:
         found: Double = np.linalg.lstsq(scaled / columns, right / size, rcond=SINGULAR)[0] / columns
     except np.linalg.LinAlgError:
         return np.full(right.size, np.nan)
+    return found
+
+
+def _inverse(matrix: Array) -> Array:
+    """Return the inverse of a well conditioned matrix in extended precision, by two steps of Newton's iteration."""
+    found = np.linalg.inv(matrix.astype(np.float64)).astype(Extended)
+    for _ in range(2):
+        found = found @ (2.0 * np.eye(len(matrix), dtype=Extended) - matrix @ found)
     return found
 
 

@@ -134,13 +134,13 @@ def centre_from_anchor(regime, anchor_bead, rate, mass):
 def find_centre(chain, regime, motion, control):
     """Write the total mass and the velocity of the centre of mass into `control`.
 
-    The mass is 0 if a wall or a bed exerts a force on the beads. Then `keep_momentum` does nothing.
+    The mass is 0 if a wall, a bed or strings exert a force on the beads. Then `keep_momentum` does nothing.
     """
     control[MASS] = 0.0
     for j in range(regime.inverse_mass.size):
         if regime.inverse_mass[j] == 0.0:
             return
-    if regime.bed.size == 0:
+    if regime.bed.size == 0 and chain.strings.rest.size == 0:
         mass = total_mass(regime, chain.anchor_bead)
         control[MASS] = mass
         control[CENTRE] = motion.anchor[1] + centre_from_anchor(regime, chain.anchor_bead, motion.rate, mass)

@@ -49,7 +49,7 @@ from softcradle.physics.adaptive.step_records import (
 )
 from softcradle.physics.adaptive.switch_log import begin_estimate, log_switches
 from softcradle.physics.adaptive.yield_or_slip import balance
-from softcradle.physics.numerics.bead_velocities import bead_velocities, put_impulse
+from softcradle.physics.numerics.bead_velocities import bead_displacements, bead_velocities, put_impulse
 from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.law_curve import acceleration_of, is_continued, is_smooth
@@ -82,6 +82,12 @@ def known_force(i, late, chain, regime, motion):
 
 
 @inlined
+def is_pulled(i, chain):
+    """Return True if external forces act, or if strings pull the beads of contact i apart or together at overlap 0."""
+    return chain.external.size > 0 or (chain.strings.rest.size > 0 and chain.strings.rest[i] != 0.0)
+
+
+@inlined
 def classify(late, chain, regime, motion, slow, work):
     """Set the modes that overlaps and rates determine, and the bounds of all contact forces `late` [s] after now.
 
@@ -106,7 +112,7 @@ def classify(late, chain, regime, motion, slow, work):
                 mode[i] = OPEN
             # At d = 0 without a preload the force is 0 whatever the mode, unless external forces or segments act.
             elif (
-                at_rest and (regime.law[i, 0] != 0.0 or has_segments(chain.graph, i) or chain.external.size > 0)
+                at_rest and (regime.law[i, 0] != 0.0 or has_segments(chain.graph, i) or is_pulled(i, chain))
             ) or stands:
                 mode[i], candidate[i], undetermined = TOUCHING, 1.0, True
             if regime.easing.size:
@@ -131,9 +137,13 @@ def load_beads(late, slipping, chain, regime, motion, slow, work):
     load, give, resting, knots = work[LOAD], work[STATIC_FRICTION], False, chain.knots
     if regime.bed.size:
         bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], work[VELOCITY])
+    if chain.strings.rest.size:
+        bead_displacements(chain, motion.overlap, motion.anchor[0], give, work[VELOCITY])
     for j in range(regime.inverse_mass.size):
         # External force, which may change linearly in time.
         load[j] = chain.push[j] if chain.push.size else 0.0
+        if chain.strings.rest.size and regime.inverse_mass[j] > 0.0:
+            load[j] -= chain.strings.square / regime.inverse_mass[j] * work[VELOCITY, j]
         if knots.push_slope.size:
             load[j] += late * knots.push_slope[j]
         give[j] = 0.0
@@ -416,7 +426,8 @@ def open_passed(row, h, time, ctx):
         elif motion.mode[i] == LOADED and not is_continued(chain.law, chain.graph, i):
             any_passed = True
             motion.force[i] = 0.0
-            bend = acceleration_of(i, chain, motion.force, 0.0)
+            # The strings pull back a contact that has opened by round-off, so they count at overlap 0 only.
+            bend = acceleration_of(i, chain, 0.0, motion.force, 0.0)
             touches = is_touch(i, h, motion, trial, slow) and abs(motion.rate[i]) <= slow
             if not touches or bend < 0.0:
                 motion.mode[i] = OPEN

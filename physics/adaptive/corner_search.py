@@ -63,7 +63,8 @@ def closes_inactive(chain, i, inactive, rate, end_rate, end_overlap):
 @inlined
 def flies_apart(i, chain, regime, motion, trial):
     """Return True if open contact i is also open at the end of the step, and nothing pushes its beads at either end."""
-    if trial.overlap[2, i] >= 0.0 or chain.external.size or trial.overlap[2, i] <= -slack_of(regime, i):
+    pulled = chain.external.size > 0 or chain.strings.rest.size > 0
+    if trial.overlap[2, i] >= 0.0 or pulled or trial.overlap[2, i] <= -slack_of(regime, i):
         return False
     before = motion.force[i - 1] == 0.0 == trial.force[2, i - 1] if i > 0 else True
     return before and (motion.force[i + 1] == 0.0 == trial.force[2, i + 1] if i < motion.force.size - 1 else True)
@@ -135,7 +136,8 @@ def guard_of(row, side, h, ctx):
         )  # fmt: skip
     # A contact that moves. Multiplied by `sign`, the guard is positive inside the branch; `offset` moves its zero to
     # the slack or to the end of the segment.
-    a0, a1 = acceleration_of(row, chain, motion.force, 0.0), acceleration_of(row, chain, f[2], h)
+    a0 = acceleration_of(row, chain, motion.overlap[row], motion.force, 0.0)
+    a1 = acceleration_of(row, chain, trial.overlap[2, row], f[2], h)
     sign, offset = side_of(regime, row), 0.0
     # With loss: the turning point between loading and unloading is the zero of the rate.
     if motion.mode[row] == LOADED and side == 1:

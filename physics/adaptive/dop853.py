@@ -42,6 +42,7 @@ from softcradle.physics.numerics.law_curve import (
     pressed_force,
 )
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
+from softcradle.physics.numerics.swing import string_pull
 from softcradle.physics.numerics.table_kernels import breakpoint_force
 
 # fmt: off
@@ -132,8 +133,8 @@ def next_range(after, h, inactive, chain, motion):
     The margin ends at the first open contact, because an open contact passes nothing on.
     """
     n = motion.mode.size
-    # External forces move all beads.
-    if chain.external.size:
+    # External forces and strings move all beads.
+    if chain.external.size or chain.strings.rest.size:
         return after, n
     # Find the first active contact.
     first = after
@@ -190,6 +191,8 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
                 # Forward sweep: a neighbour that follows its law is a load, a touching one is eliminated.
                 pivot = inverse_mass[i] + inverse_mass[i + 1]
                 load = drive_at(chain, i, passed)
+                if chain.strings.rest.size:
+                    load += string_pull(chain, i, overlap[i])
                 if i > 0:
                     load += inverse_mass[i] * force[i - 1]
                     if mode[i - 1] == TOUCHING:
@@ -214,6 +217,9 @@ def accelerate(first, last, passed, chain, mode, carried, overlap, force, accele
     if chain.external.size:
         for i in range(first, last):
             acceleration[i] += drive_at(chain, i, passed)
+    if chain.strings.rest.size:
+        for i in range(first, last):
+            acceleration[i] += string_pull(chain, i, overlap[i])
     if touching:
         for i in range(first, last):
             if mode[i] == TOUCHING:
@@ -291,6 +297,11 @@ def step_of_range(h, first, last, chain, motion, trial, scratch):
         accelerate(first, last, h * NODES[s], chain, mode, motion.force, stage, force, acceleration[s], upper)
         if moves_anchor:
             scratch.anchor_acceleration[s] = anchor_acceleration(chain, force, h * NODES[s])
+            if chain.strings.rest.size:  # the pull at the position of the stage
+                place = motion.anchor[0] + NODES[s] * h * motion.anchor[1]
+                for k in range(s):
+                    place += square * SQUARE[s, k] * scratch.anchor_acceleration[k]
+                scratch.anchor_acceleration[s] += string_pull(chain, mode.size, place)
     # Overlap and rate at the end, and their embedded errors of orders 5 and 3.
     end_overlap, end_rate, errors = trial.overlap[2], trial.rate[2], scratch.work
     for i in range(first, last):

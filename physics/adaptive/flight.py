@@ -1,5 +1,5 @@
-"""Free flight: no contact pushes and the external forces are steady. Overlaps are parabolas, and the next event is a
-closed form.
+"""Free flight: no contact pushes and the external forces are steady. Overlaps are parabolas, or sines on strings, and the
+next event is a closed form.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from softcradle.physics.numerics.bead_velocities import bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.records import FROZEN, LOADED, NO_CONTACT, OPEN, TOUCHING, ZERO
+from softcradle.physics.numerics.swing import string_pull, swing, swing_time
 
 
 @piece
@@ -31,9 +32,15 @@ def nothing_pushes(chain, regime, motion, negligible):
                 return False
             if driven and (x > 0.0 or w > 0.0 or f > 0.0 or side * chain.external[i] > 0.0):
                 return False
+            # Strings whose beads rest apart, or just in touch, pull a loaded contact apart.
+            if chain.strings.rest.size and chain.strings.rest[i] > 0.0:
+                return False
         # A touching contact pushes if its force is more than the round-off of its preload, or if external forces press
         # its beads together.
         pressed = driven and side_of(regime, i) * chain.external[i] > 0.0
+        if motion.mode[i] == TOUCHING and chain.strings.rest.size:
+            steady = drive_at(chain, i, 0.0) + string_pull(chain, i, motion.overlap[i])
+            pressed = steady > 0.0
         if motion.mode[i] == TOUCHING and (pressed or abs(motion.force[i]) > ROUND_OFF * abs(chain.law[i, 0])):
             return False
     return True
@@ -77,8 +84,14 @@ def next_event(time, end, chain, regime, motion, negligible, velocity):
     """
     flight, row, at = math.inf, NO_CONTACT, ZERO
     # Contacts: side 0 closes at overlap 0, side 1 comes to the end of the slack of a coupler.
+    root, square = math.sqrt(chain.strings.square), chain.strings.square
     for i in range(motion.mode.size):
-        if motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
+        if motion.mode[i] == OPEN and square > 0.0:
+            rest = chain.strings.rest[i] + drive_at(chain, i, 0.0) / square
+            passed = swing_time(motion.overlap[i], motion.rate[i], rest, root, negligible)
+            if passed < flight:
+                flight, row, at = passed, ZERO + i, ZERO
+        elif motion.mode[i] == OPEN and (chain.external.size or motion.rate[i] > negligible):
             passed = closing_time(motion.overlap[i], motion.rate[i], drive_at(chain, i, 0.0))
             if passed < flight:
                 flight, row, at = max(passed, 0.0), ZERO + i, ZERO
@@ -105,6 +118,11 @@ def next_event(time, end, chain, regime, motion, negligible, velocity):
 @piece
 def drift(passed, chain, regime, motion, velocity):
     """Move all overlaps and the anchor bead forward by `passed` [s] of free flight (backward if it is negative)."""
+    if chain.strings.rest.size:
+        for i in range(motion.mode.size):
+            motion.held[i] = 0
+        swing(passed, chain, motion)
+        return
     if regime.bed.size:
         motion.taken[1] += flight_work(passed, chain, regime, motion, velocity)
     for i in range(motion.mode.size):

@@ -45,6 +45,7 @@ from softcradle.physics.numerics.law_curve import (
     pressed_force,
 )
 from softcradle.physics.numerics.records import FROZEN, LOADED, OPEN, TOUCHING, ZERO
+from softcradle.physics.numerics.swing import string_pull
 from softcradle.physics.numerics.table_kernels import breakpoint_force, has_table
 
 # Butcher matrix A of Radau IIA with three stages (Hairer & Wanner, Solving ODEs II, table IV.5.6)
@@ -55,6 +56,7 @@ TABLEAU = np.array(
         [(16.0 - ROOT6) / 36.0, (16.0 + ROOT6) / 36.0, 1.0 / 9.0],
     ]
 )
+SQUARE_TABLEAU = exact_product(TABLEAU, TABLEAU)  # A²: overlaps of the stages from their accelerations
 INVERSE = exact_inverse(TABLEAU)  # A^-1: rates of the stages from their overlaps
 # A^-2, the matrix Q of docs/rows.md
 SQUARE_INVERSE = exact_product(INVERSE, INVERSE)
@@ -244,7 +246,7 @@ def eliminate(h, first, last, chain, motion, trial, scratch):
     inverse_mass, overlap, rate = chain.inverse_mass, motion.overlap, motion.rate
     stage_overlap, stage_force, mode = trial.overlap, trial.force, motion.mode
     along, across, block, z = scratch.along, scratch.across, scratch.block, scratch.correction
-    square = h * h
+    square, hangs = h * h, chain.strings.rest.size > 0
     # Forward sweep over the contacts.
     for i in range(first, last):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
@@ -255,12 +257,18 @@ def eliminate(h, first, last, chain, motion, trial, scratch):
         for k in range(3):
             flow = square * flow_into(i, inverse_mass, stage_force[k])
             flow -= square * drive_at(chain, i, h * NODES[k])
+            if hangs:
+                flow -= square * string_pull(chain, i, stage_overlap[k, i])
             z[k, i] = -(SQUARE_INVERSE[k, 0] * e0 + SQUARE_INVERSE[k, 1] * e1 + SQUARE_INVERSE[k, 2] * e2 + flow)
         # Diagonal block: A^-2 couples the stages of one contact through its overlaps, and h² L_ii acts on the force of
         # each stage.
         m00 = SQUARE_INVERSE[0, 0] * along[0, i] + (left + right) * across[0, i]
         m11 = SQUARE_INVERSE[1, 1] * along[1, i] + (left + right) * across[1, i]
         m22 = SQUARE_INVERSE[2, 2] * along[2, i] + (left + right) * across[2, i]
+        if hangs:  # the pull of the strings changes with the overlap of the same stage
+            m00 += square * chain.strings.square * along[0, i]
+            m11 += square * chain.strings.square * along[1, i]
+            m22 += square * chain.strings.square * along[2, i]
         m01, m02 = SQUARE_INVERSE[0, 1] * along[1, i], SQUARE_INVERSE[0, 2] * along[2, i]
         m10, m12 = SQUARE_INVERSE[1, 0] * along[0, i], SQUARE_INVERSE[1, 2] * along[2, i]
         m20, m21 = SQUARE_INVERSE[2, 0] * along[0, i], SQUARE_INVERSE[2, 1] * along[1, i]
@@ -382,9 +390,11 @@ def euler_change(k, time, chain, motion, trial, scratch):
     for i in range(n):
         left, right = square * inverse_mass[i], square * inverse_mass[i + 1]
         # Residual, and elimination of the left neighbour.
-        pushed = square * acceleration_of(i, chain, trial.force[k], time)
+        pushed = square * acceleration_of(i, chain, trial.overlap[k, i], trial.force[k], time)
         z[i] = motion.overlap[i] + time * motion.rate[i] - trial.overlap[k, i] + pushed
         pivot = along[i] + (left + right) * across[i]
+        if chain.strings.rest.size:
+            pivot += square * chain.strings.square * along[i]
         if i > 0:
             pivot -= left * across[i - 1] * upper[i - 1, 0]
             z[i] += left * across[i - 1] * z[i - 1]
@@ -439,9 +449,9 @@ def stage_rates(h, chain, motion, trial):
     stage_overlap, stage_force, stage_rate = trial.overlap, trial.force, trial.rate
     for i in range(overlap.size):
         # Accelerations at the stages (first formula), and displacements `moved` (second formula).
-        a0 = acceleration_of(i, chain, stage_force[0], h * NODES[0])
-        a1 = acceleration_of(i, chain, stage_force[1], h * NODES[1])
-        a2 = acceleration_of(i, chain, stage_force[2], h * NODES[2])
+        a0 = acceleration_of(i, chain, stage_overlap[0, i], stage_force[0], h * NODES[0])
+        a1 = acceleration_of(i, chain, stage_overlap[1, i], stage_force[1], h * NODES[1])
+        a2 = acceleration_of(i, chain, stage_overlap[2, i], stage_force[2], h * NODES[2])
         moved = (stage_overlap[0, i] - overlap[i], stage_overlap[1, i] - overlap[i], stage_overlap[2, i] - overlap[i])
         # Compare the overlap with the displacement h² L_ii (f - F), as explained above.
         largest = max(abs(overlap[i]), abs(stage_overlap[0, i]), abs(stage_overlap[1, i]), abs(stage_overlap[2, i]))
@@ -456,13 +466,47 @@ def stage_rates(h, chain, motion, trial):
 
 
 @inlined
+def hung_anchor(h, chain, anchor, trial):
+    """Return the accelerations [m/s²] of the anchor bead by its string at the three stages.
+
+    Its displacements y from rest solve y + (h omega)² A² y = y0 + h c v0 + h² A² a, three linear equations.
+    """
+    n, square = trial.force.shape[1], h * h * chain.strings.square
+    a0 = anchor_acceleration(chain, trial.force[0], h * NODES[0])
+    a1 = anchor_acceleration(chain, trial.force[1], h * NODES[1])
+    a2 = anchor_acceleration(chain, trial.force[2], h * NODES[2])
+    y0 = anchor[0] - chain.strings.rest[n]
+    # right-hand sides and matrix, with A² in `SQUARE_TABLEAU`
+    t = SQUARE_TABLEAU
+    r0 = y0 + h * NODES[0] * anchor[1] + h * h * (t[0, 0] * a0 + t[0, 1] * a1 + t[0, 2] * a2)
+    r1 = y0 + h * NODES[1] * anchor[1] + h * h * (t[1, 0] * a0 + t[1, 1] * a1 + t[1, 2] * a2)
+    r2 = y0 + h * NODES[2] * anchor[1] + h * h * (t[2, 0] * a0 + t[2, 1] * a1 + t[2, 2] * a2)
+    m00, m01, m02 = 1.0 + square * t[0, 0], square * t[0, 1], square * t[0, 2]
+    m10, m11, m12 = square * t[1, 0], 1.0 + square * t[1, 1], square * t[1, 2]
+    m20, m21, m22 = square * t[2, 0], square * t[2, 1], 1.0 + square * t[2, 2]
+    # Cramer's rule
+    c0, c1, c2 = m11 * m22 - m12 * m21, m12 * m20 - m10 * m22, m10 * m21 - m11 * m20
+    scale = -chain.strings.square / (m00 * c0 + m01 * c1 + m02 * c2)
+    d0, d1, d2 = m02 * m21 - m01 * m22, m00 * m22 - m02 * m20, m01 * m20 - m00 * m21
+    e0, e1, e2 = m01 * m12 - m02 * m11, m02 * m10 - m00 * m12, m00 * m11 - m01 * m10
+    return (
+        scale * (c0 * r0 + d0 * r1 + e0 * r2),
+        scale * (c1 * r0 + d1 * r1 + e1 * r2),
+        scale * (c2 * r0 + d2 * r1 + e2 * r2),
+    )
+
+
+@inlined
 def move_anchor(h, chain, anchor, trial):
     """Compute position and velocity of the anchor bead at the end of the step."""
     end_anchor = trial.anchor
     end_anchor[0], end_anchor[1] = anchor[0] + h * anchor[1], anchor[1]
+    pulls = hung_anchor(h, chain, anchor, trial) if chain.strings.rest.size else (0.0, 0.0, 0.0)
     for j in range(3):
         # The same quadrature as for the overlaps: row 3 of A² for the position, of A for the velocity.
         acceleration = anchor_acceleration(chain, trial.force[j], h * NODES[j])
+        if chain.strings.rest.size:
+            acceleration += pulls[j]
         square = TABLEAU[2, 0] * TABLEAU[0, j] + TABLEAU[2, 1] * TABLEAU[1, j] + TABLEAU[2, 2] * TABLEAU[2, j]
         end_anchor[0] += h * h * square * acceleration
         end_anchor[1] += h * TABLEAU[2, j] * acceleration
@@ -520,7 +564,7 @@ def embedded_error(h, chain, motion, trial, work):
     fine_rate, coarse_rate = stage_rate[0], stage_rate[1]
     for i in range(n):
         # Unfiltered errors e_w and e_d of contact i, from the differences of the stages to the start.
-        fine_w = reach * acceleration_of(i, chain, force, 0.0)
+        fine_w = reach * acceleration_of(i, chain, overlap[i], force, 0.0)
         fine_d = reach * rate[i]
         coarse_w, coarse_d = 0.0, 0.0
         for k in range(3):

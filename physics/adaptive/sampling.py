@@ -20,6 +20,8 @@ from softcradle.physics.adaptive.step_records import (
     DISPLACEMENT,
     FLOWN,
     OVERLAP_CHANGE,
+    PLACE_AFTER,
+    PLACE_BEFORE,
     RESTED,
     VELOCITY,
     VELOCITY_AFTER,
@@ -31,7 +33,7 @@ from softcradle.physics.adaptive.step_records import (
     Trial,
     bounds_of,
 )
-from softcradle.physics.numerics.bead_velocities import bead_velocities
+from softcradle.physics.numerics.bead_velocities import bead_displacements, bead_velocities
 from softcradle.physics.numerics.jit import inlined, piece, whole
 from softcradle.physics.numerics.law_curve import LAW_BEFORE
 from softcradle.physics.numerics.law_kernels import energy_fall
@@ -94,12 +96,18 @@ def changing_work(h, chain, regime, motion, trial, work):
     bead_velocities(motion.rate, chain.anchor_bead, motion.anchor[1], v0)
     bead_velocities(trial.rate[2], chain.anchor_bead, trial.anchor[1], v1)
     given, braked = 0.0, 0.0
+    # beads on strings: their displacements at both ends of the step
+    if chain.strings.rest.size:
+        bead_displacements(chain, motion.overlap, motion.anchor[0], work[OVERLAP_CHANGE], work[PLACE_BEFORE])
+        bead_displacements(chain, trial.overlap[2], trial.anchor[0], work[OVERLAP_CHANGE], work[PLACE_AFTER])
     for j in range(moved.size):
         if chain.inverse_mass[j] > 0.0:
             # `late` is the integral of t v. Integration by parts gives h x(h) minus the integral of x. For a quintic
             # the latter is h x(h)/2 + h² (v0 - v1)/10 + h³ (a0 + a1)/120.
             bend = bead_acceleration(j, chain, regime, motion.force, 0.0)
             bend += bead_acceleration(j, chain, regime, trial.force[2], h)
+            if chain.strings.rest.size:
+                bend -= chain.strings.square * (work[PLACE_BEFORE, j] + work[PLACE_AFTER, j])
             late = h * (0.5 * moved[j] - h * (0.1 * (v0[j] - v1[j]) + h / 120.0 * bend))
             given += (chain.push[j] - knots.drive[j]) * moved[j] + knots.push_slope[j] * late
             if regime.bed.size and knots.brake_slope.size:

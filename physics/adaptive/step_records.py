@@ -40,7 +40,7 @@ CONTINUES = 12  # Nonzero if the error estimate of the previous frame continues,
 CARRIED_SQUARE = 13  # Initial value of LOCAL_SQUARE if the estimate does not continue
 ENDING = 14  # Error amplification by the bounces in progress at the end of the run
 IMPACTS = 15  # Number of contacts that closed at full speed
-MASS = 16  # Total mass [kg]; 0 if a wall or a bed exerts a force on the beads
+MASS = 16  # Total mass [kg]; 0 if a wall, a bed or strings exert a force on the beads
 CENTRE = 17  # Velocity of the centre of mass [m/s]
 # Number of entries
 CONTROLS = 18
@@ -62,7 +62,9 @@ LOAD, STATIC_FRICTION, LOW, HIGH, ACCELERATION, CARRIED, CANDIDATE = range(13, 2
 PRESSED = 20
 # Energy balance of a step: displacements of the beads, and changes of the overlaps [m]
 DISPLACEMENT, OVERLAP_CHANGE = 21, 22
-WORK_ROWS = 23  # number of rows
+# Energy of beads on strings under forces over time: their displacements from rest at both ends of a step.
+PLACE_BEFORE, PLACE_AFTER = range(23, 25)
+WORK_ROWS = 25  # number of rows
 
 
 class Accuracy(NamedTuple):

@@ -39,6 +39,7 @@ from softcradle.physics.numerics.law_curve import (
     pressed_force,
 )
 from softcradle.physics.numerics.records import LOADED, OPEN, PRELOAD, TOUCHING
+from softcradle.physics.numerics.swing import spread_time, string_pull
 from softcradle.physics.numerics.switches import log_switch
 
 # Least acceleration by other forces at which a return to d = 0 counts as a bounce, as a fraction of the acceleration by
@@ -131,6 +132,13 @@ def find_pressed(chain, regime, motion, slow, since, pressed):
 
 
 @inlined
+def steady_pull(i, chain):
+    """Return the acceleration [m/s²] of contact i at overlap 0 by external forces and strings."""
+    found = drive_at(chain, i, 0.0)
+    return found + string_pull(chain, i, 0.0) if chain.strings.rest.size else found
+
+
+@inlined
 def takes_on(i, neighbour, chain, regime, motion, slow, since):
     """Return whether contact i touches and the pushing `neighbour` presses the bead between them into it."""
     if side_of(regime, neighbour) < 0.0 or side_of(regime, i) < 0.0:
@@ -138,14 +146,14 @@ def takes_on(i, neighbour, chain, regime, motion, slow, since):
     touches = since[i] == AT_REST or (motion.overlap[i] == 0.0 and motion.rate[i] >= -slow)
     if not touches or (motion.mode[i] != LOADED and motion.mode[i] != TOUCHING):
         return False
-    return not is_firm(regime, max(i, neighbour)) and drive_at(chain, i, 0.0) >= 0.0
+    return not is_firm(regime, max(i, neighbour)) and steady_pull(i, chain) >= 0.0
 
 
 @inlined
 def rests(i, chain, regime, motion, since):
     """Return whether contact i touches at rest and nothing pushes it, so that any overlap that it gets is round-off."""
     at_zero = since[i] == AT_REST or (motion.overlap[i] == 0.0 == motion.rate[i])
-    if not at_zero or motion.mode[i] != LOADED or has_segments(chain.graph, i) or drive_at(chain, i, 0.0) != 0.0:
+    if not at_zero or motion.mode[i] != LOADED or has_segments(chain.graph, i) or steady_pull(i, chain) != 0.0:
         return False
     return chain.knots.bend.size == 0 or chain.knots.bend[i] == 0.0
 
@@ -164,7 +172,9 @@ def put_bounce(i, now, speed, when, ctx):
     scratch.bounced[i], scratch.grown[i], scratch.segment[i] = when, 0.0, -1.0
     # Delay of this closing per velocity error: flight time over closing speed. `most_grown` is the change of velocity
     # by a bounce that does not happen at all, 2 u, per error.
-    scratch.lateness[i] = flight / speed if now and flight > 0.0 and speed > 0.0 else 0.0
+    scratch.lateness[i] = 0.0
+    if now and 0.0 < flight < math.inf and speed > 0.0:
+        scratch.lateness[i] = spread_time(flight, ctx.chain) / speed
     scratch.most_grown[i] = 2.0 * speed / bounds.wanted
     if now and speed > bounds.full:
         scratch.control[IMPACTS] += 1.0
@@ -217,7 +227,10 @@ def grow_errors(row, side, before, ctx):
             continue
         # `others` is the acceleration by all forces but that of the contact itself.
         weight = chain.inverse_mass[i] + chain.inverse_mass[i + 1]
-        own, bend = inward * weight * motion.force[i], inward * acceleration_of(i, chain, motion.force, 0.0)
+        own, bend = (
+            inward * weight * motion.force[i],
+            inward * acceleration_of(i, chain, motion.overlap[i], motion.force, 0.0),
+        )
         others = own + bend
         if returns:
             return_to_touch(i, fastest, rate, 0.0, others, chain, scratch.control)
@@ -245,10 +258,10 @@ def count_parting(i, before, ctx):
     chain, motion, scratch, pushed = ctx.chain, ctx.motion, ctx.scratch, 0.0
     if motion.mode[i] == LOADED:
         own = (chain.inverse_mass[i] + chain.inverse_mass[i + 1]) * motion.force[i]
-        pushed = side_of(ctx.regime, i) * (own + acceleration_of(i, chain, motion.force, 0.0))
+        pushed = side_of(ctx.regime, i) * (own + acceleration_of(i, chain, motion.overlap[i], motion.force, 0.0))
         if pushed <= 0.0:
             return
-    square = 8.0 * pushed * scratch.parting[i] * (before - scratch.parted[i])
+    square = 8.0 * pushed * scratch.parting[i] * spread_time(before - scratch.parted[i], chain)
     scratch.control[LOCAL_SQUARE] += square
     scratch.control[UNSEEN_SQUARE] += square if scratch.parting[i] <= ctx.bounds.round_off else 0.0
     scratch.parting[i] = 0.0
@@ -261,12 +274,14 @@ def end_within_bounces(passed, chain, motion, wanted, scratch):
     The sum e of all velocity errors delayed a contact that closed at speed u by at most T e / u, with the time T since
     the start. Its rate is wrong by its acceleration times this delay.
     """
+    # on strings the sum delays it by at most e / (omega u)
+    late = min(passed, 1.0 / math.sqrt(chain.strings.square)) if chain.strings.rest.size else passed
     scratch.control[ENDING] = 0.0
     for i in range(motion.mode.size):
         if scratch.lateness[i] > 0.0:
             # The closing speed u, from the stored limit 2 u / wanted.
             speed = 0.5 * wanted * scratch.most_grown[i]
-            grown = passed / speed * abs(acceleration_of(i, chain, motion.force, 0.0))
+            grown = late / speed * abs(acceleration_of(i, chain, motion.overlap[i], motion.force, 0.0))
             scratch.control[ENDING] += max(min(grown, scratch.most_grown[i]) - scratch.grown[i], 0.0)
 
 
@@ -329,7 +344,7 @@ def in_the_middle(i, h, chain, motion, trial):
     ends.
     """
     d0, d1, turned = motion.overlap[i], trial.overlap[2, i], trial.rate[2, i] - motion.rate[i]
-    bends = acceleration_of(i, chain, motion.force, 0.0) + acceleration_of(i, chain, trial.force[2], h)
+    bends = acceleration_of(i, chain, d0, motion.force, 0.0) + acceleration_of(i, chain, d1, trial.force[2], h)
     return 0.5 * (d0 + d1) + h * (h * bends / 64.0 - 5.0 / 32.0 * turned), 1.5 * turned / h - 0.25 * bends
 
 
@@ -347,8 +362,8 @@ def quintic_lacks(i, part, h, chain, motion, trial, look):
             look.force[0, k] = curve_force(chain.law, chain.graph, k, overlap)
         else:
             look.force[0, k] = 0.5 * (motion.force[k] + trial.force[2, k])
-    _, bend = in_the_middle(i, h, chain, motion, trial)
-    missed = acceleration_of(i, chain, look.force[0], 0.5 * h) - bend
+    middle, bend = in_the_middle(i, h, chain, motion, trial)
+    missed = acceleration_of(i, chain, middle, look.force[0], 0.5 * h) - bend
     x = 4.0 * part * (1.0 - part)
     return -h * h / 24.0 * missed * x * x * x
 
@@ -367,8 +382,8 @@ def find_openings(h, kind, ctx):
         opens = motion.mode[i] == LOADED and motion.overlap[i] > 0.0 > trial.overlap[2, i]
         if opens and not is_continued(chain.law, chain.graph, i):
             # Root of the quintic, corrected by one Newton step with the error of the quintic there.
-            a0, a1 = acceleration_of(i, chain, motion.force, 0.0), acceleration_of(i, chain, trial.force[2], h)
             d0, d1 = motion.overlap[i], trial.overlap[2, i]
+            a0, a1 = acceleration_of(i, chain, d0, motion.force, 0.0), acceleration_of(i, chain, d1, trial.force[2], h)
             guard = hermite_quintic(h, d0, motion.rate[i], a0, d1, trial.rate[2, i], a1)
             part = min(first_root(guard), 1.0)
             lacks = quintic_lacks(i, part, h, chain, motion, trial, look)

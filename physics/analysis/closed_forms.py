@@ -128,7 +128,7 @@ def common_law(chain: Chain) -> Contact | None:
 def meets_freely(chain: Chain, struck: int) -> bool:
     """Return True if two clusters that just touch inside collide at contact `struck` without any external force."""
     inside = chain.gap[:struck] + chain.gap[struck + 1 :]
-    return chain.gap[struck] >= 0.0 and not (any(inside) or chain.driven or chain.on_bed)
+    return chain.gap[struck] >= 0.0 and not (any(inside) or chain.driven or chain.takes_momentum)
 
 
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:

@@ -145,7 +145,7 @@ def _impulse(run: Trajectory, contact: int, part: slice) -> float:
     chain, mass = run.chain, np.asarray(run.chain.mass)
     time = run.time[part]
     for side, sign in ((slice(contact + 1, None), 1.0), (slice(None, contact + 1), -1.0)):
-        if np.isfinite(mass[side]).all() and not chain.on_bed:
+        if np.isfinite(mass[side]).all() and not chain.takes_momentum:
             gained = mass[side] @ (run.velocity[part][-1, side] - run.velocity[part][0, side])
             return sign * float(gained - _external(chain, side, float(time[0]), float(time[-1])))
     return float(np.trapezoid(run.force[part, contact], time))

@@ -134,12 +134,12 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
 def impulses(trajectory: Trajectory, struck: int) -> Array:
     """Return the (n,) momentum [N s] that each contact passed to the right between the first and the last sample.
 
-    It follows from the momentum balance of one side. Between two walls, and with bed friction, this balance is not
+    It follows from the momentum balance of one side. Between two walls, with bed friction and on strings, this balance is not
     known. Then the force is integrated over the samples from the first touch of contact `struck` on, because forces
     between beads at rest on the bed are not determined.
     """
     chain, time = trajectory.chain, trajectory.time
-    if chain.on_bed:
+    if chain.takes_momentum:
         return _integrated_force(trajectory, struck)
     mass = np.array(chain.mass)
     drive = np.zeros(len(mass)) if chain.drive_force is None else chain.drive_force * (time[-1] - time[0])

@@ -98,7 +98,7 @@ class ChainBatch:
         Raises
         ------
         ValueError
-            If the lengths differ, or if a chain has couplers, user-defined laws, forces over time or brakes.
+            If the lengths differ, or if a chain has couplers, user-defined laws, forces over time, brakes or strings.
 
         Examples
         --------
@@ -221,6 +221,8 @@ def _require_plain(chain: Chain) -> None:
             raise ValueError(f"a batch takes chains of preloaded power laws, not {what}: take ensemble")
     if chain.brakes:
         raise ValueError("a batch takes chains on a bed with one friction, not brakes: take ensemble")
+    if chain.swing:
+        raise ValueError("a batch takes chains without strings: take ensemble")
 
 
 def _within(value: Array) -> NDArray[np.bool_]:

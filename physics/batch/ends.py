@@ -42,6 +42,7 @@ from softcradle.physics.numerics.records import (
     NO_FLAGS,
     NO_GRAPHS,
     NO_KNOTS,
+    NO_STRINGS,
     SEPARATED,
     STEP,
 )
@@ -247,7 +248,7 @@ def _of_march(method: str, run: _Run) -> tuple[Any, ...]:
     memory = (tuple(scratch.samples), columns, kept, tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work))
     return (
         fixed_step.DRIFTS_AND_KICKS[method], run.stop, fixed_step.MOST_FIXED_STEPS, tuple(run.data), tuple(run.moving), memory,
-        (NO_FLAGS, NO_GRAPHS, NO_KNOTS),
+        (NO_FLAGS, NO_GRAPHS, NO_KNOTS, NO_STRINGS),
     )  # fmt: skip
 
 
@@ -297,7 +298,7 @@ def _of_integrate(accuracy: _Accuracy, run: _Run) -> tuple[Any, ...]:
     effective = np.zeros((n, 3)), np.zeros(n + 1), np.zeros(n + 1), np.zeros(4)
     block, records = _in_one_block(empty_trial(n), empty_trial(n), empty_scratch(n))
     memory = effective, np.zeros(4 * n + 1, dtype=np.int8), block, (*records, tuple(empty_steps(0, n, False)))
-    nothing = np.zeros(0, dtype=np.int64), np.zeros(0), NO_GRAPHS, NO_KNOTS, NO_PAUSE
+    nothing = np.zeros(0, dtype=np.int64), np.zeros(0), NO_GRAPHS, NO_KNOTS, NO_STRINGS, NO_PAUSE
     return (
         (ALLOWED[accuracy.method], accuracy.tolerance, accuracy.scale), run.stop, accuracy.budget, tuple(run.data),
         tuple(run.moving), memory, nothing,

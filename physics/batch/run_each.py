@@ -51,16 +51,16 @@ def march_arguments(c, stepper, stop, most_steps, batch_fields, motion_fields, m
     """Return the arguments of `march` for chain c.
 
     `stepper` is (drifts, kicks). `memory` contains the fields of Samples, the columns of the log, the checkpoints, the
-    fields of a Pause, the absorbed energies, and the memory of the steps. `nothing` contains empty flags, Graphs and
-    Knots.
+    fields of a Pause, the absorbed energies, and the memory of the steps. `nothing` contains empty flags, Graphs,
+    Knots and Strings.
     """
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
     sample_fields, switches, checkpoints, pause_fields, taken, of_steps = memory
-    (flags, graph, knots), (drifts, kicks) = nothing, stepper
+    (flags, graph, knots, strings), (drifts, kicks) = nothing, stepper
     loss, bed = batch.loss[c], batch.bed[c]
     none, braked = bed[:0], batch.braked[c]
     dissipation = Dissipation(loss if batch.lossy[c] or braked else loss[:0], bed if braked else none)
-    chain = batch.law[c], batch.inverse_mass[c], none, none, batch.anchor_bead[c], graph, knots, dissipation
+    chain = batch.law[c], batch.inverse_mass[c], none, none, batch.anchor_bead[c], graph, knots, dissipation, strings
     motion = moving.overlap[c], moving.rate[c], moving.anchor[c], moving.force[c], taken, flags, flags
     log = switches[0], switches[1], moving.closed[c], moving.counter[c]
     return (
@@ -98,12 +98,12 @@ def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fiel
     `accuracy` is (allowed, tolerance, scales (C,)). `memory` contains four arrays (n, 3), (n+1,), (n+1,) and (4,) for
     the effective chain of the steps and the absorbed energies, flags (4n+1,) for the modes, one block, and the records
     whose fields are views into that block: two Trials, a Scratch and Steps. `nothing` contains empty columns of a log,
-    empty Graphs and Knots, and a pause that never occurs.
+    empty Graphs, Knots and Strings, and a pause that never occurs.
     """
     batch, moving = BatchData(*batch_fields), BatchMotion(*motion_fields)
     allowed, tolerance, scale = accuracy
     (law, inverse_mass, external, taken), flags, block, (trial, look, scratch, steps) = memory
-    contact, switch_time, graph, knots, pause = nothing
+    contact, switch_time, graph, knots, strings, pause = nothing
     none, n = external[:0], law.shape[0]
     mode, held, easing, slide = flags[:n], flags[n : 2 * n], flags[2 * n : 3 * n], flags[3 * n :]
     # The memory still contains values of the previous chain of this thread.
@@ -121,7 +121,7 @@ def integrate_arguments(c, accuracy, stop, most_steps, batch_fields, motion_fiel
     bed, loss = batch.bed[c] if braked else none, batch.loss[c] if lossy else none
     chain = (
         law, inverse_mass, none, external if braked else none, batch.anchor_bead[c], graph, knots,
-        Dissipation(none, none),
+        Dissipation(none, none), strings,
     )  # fmt: skip
     # The regime contains the unchanged chain and the directions of sliding and of unloading.
     regime = (

@@ -11,6 +11,12 @@ is cut in two at this event. Friction and loss then have the right direction on 
 The dissipated energy is the work of the mean forces of contacts and bed, so the energy balance closes to round-off with
 any step size. Bounces shorter than a step lose energy as well; this loss is applied after the step, see `touching` and
 `settle_rubbing`.
+
+Strings have a quadratic potential, so their discrete gradient is the mean of both ends. With q = 1 / (1 + (h omega)²/4),
+
+    d1 = d0 + q (h w0 - (h²/2) (L g + omega² (d0 - r)))
+
+which is the problem without strings for masses that are larger by the factor 1/q. So the same solver takes it.
 """
 
 from __future__ import annotations
@@ -26,6 +32,7 @@ from softcradle.physics.numerics.contact_solve import (
     FREE_VELOCITY,
     FRICTION,
     HOLD,
+    HUNG_MASS,
     LEAST_AT_HOLD,
     SLOPE,
     SOLVER_ROWS,
@@ -37,8 +44,9 @@ from softcradle.physics.numerics.graph_kernels import graph_fall, has_segments, 
 from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy_fall
-from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED
+from softcradle.physics.numerics.records import EVALUATION, UNCONVERGED, ChainData
 from softcradle.physics.numerics.resolvent import SMALLEST
+from softcradle.physics.numerics.swing import string_pull
 from softcradle.physics.numerics.switches import copy_into, has_stopped
 from softcradle.physics.numerics.touching import TOUCHES, settle_touching
 
@@ -150,6 +158,18 @@ def bead_acceleration(j, chain, force):
 
 
 @inlined
+def hung_mean(h, i, chain, value, rate, acceleration):
+    """Return the mean acceleration [m/s²] in a step on strings of contact i; of the anchor bead if i is the number of contacts.
+
+    `value` and `rate` are those at the start, `acceleration` that by all other forces. The strings pull with the mean of the
+    displacements at both ends of the step.
+    """
+    square = chain.strings.square
+    pulled = acceleration + string_pull(chain, i, value) - 0.5 * h * square * rate
+    return pulled / (1.0 + 0.25 * h * h * square)
+
+
+@inlined
 def rate_after(h, i, chain, motion, left, right, beads, work):
     """Return the rate [m/s] of contact i at the end of the step, by the formula with the smaller round-off error.
 
@@ -170,7 +190,10 @@ def rate_after(h, i, chain, motion, left, right, beads, work):
             slide = beads[FRICTION, i] - beads[FRICTION, i + 1]
     if max(abs(start), abs(end)) < h * h * work[DIAGONAL, i] * motion.force[i]:
         return 2.0 * (end - start) / h - rate
-    return rate + h * (left - right + slide)
+    change = left - right + slide
+    if chain.strings.rest.size:
+        change = hung_mean(h, i, chain, start, rate, change)
+    return rate + h * change
 
 
 @inlined
@@ -185,6 +208,8 @@ def move(h, chain, motion, beads, work):
         anchor[1] = ended
     else:
         acceleration = bead_acceleration(bead, chain, motion.force)
+        if chain.strings.rest.size:
+            acceleration = hung_mean(h, n, chain, anchor[0], anchor[1], acceleration)
         anchor[0] += h * (anchor[1] + 0.5 * h * acceleration)
         anchor[1] += h * acceleration
     # contacts: `left` and `right` are the accelerations of both beads
@@ -251,6 +276,17 @@ def single_step(h, chain, motion, beads, work, forced, whole):
     """
     overlap, rate, outside, inverse_mass = motion.overlap, motion.rate, chain.push, chain.inverse_mass
     free, end, diagonal, dissipates = work[FREE], work[END], work[DIAGONAL], chain.dissipation.loss.size > 0
+    # on strings the solver gets masses that are larger by the factor 1/q of the module docstring
+    solved, hangs, part = chain, chain.strings.rest.size > 0, 1.0
+    if hangs:
+        part = 1.0 / (1.0 + 0.25 * h * h * chain.strings.square)
+        for j in range(inverse_mass.size):
+            beads[HUNG_MASS, j] = part * inverse_mass[j]
+        solved = ChainData(
+            chain.law, beads[HUNG_MASS], chain.push, chain.external, chain.anchor_bead, chain.graph, chain.knots,
+            chain.dissipation, chain.strings,
+        )  # fmt: skip
+        inverse_mass = solved.inverse_mass
     # motion without contact forces, and a guess of the overlaps at the end
     for i in range(overlap.size):
         weight = inverse_mass[i] + inverse_mass[i + 1]
@@ -262,13 +298,15 @@ def single_step(h, chain, motion, beads, work, forced, whole):
         if dissipates and abs(overlap[i]) < TOUCHES * h * h * diagonal[i] * chain.law[i, 0]:
             overlap[i] = 0.0
         free[i] = h * rate[i]
+        if hangs:
+            free[i] = part * (h * rate[i] + 0.5 * h * h * string_pull(chain, i, overlap[i]))
         if outside.size:
             free[i] += 0.5 * h * h * (outside[i] * inverse_mass[i] - outside[i + 1] * inverse_mass[i + 1])
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     if chain.dissipation.bed.size:
         bead_velocities(rate, chain.anchor_bead, motion.anchor[1], beads[START_VELOCITY])
     # the solver also decides which beads stick and which contacts open
-    used = solve_contacts(h, chain, motion, beads, work)
+    used = solve_contacts(h, solved, motion, beads, work)
     if used < 0 and not forced:
         return used, 1.0
     # the overlap between two such beads changes without regard to forces

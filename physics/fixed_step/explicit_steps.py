@@ -31,6 +31,7 @@ from softcradle.physics.numerics.jit import inlined, jit
 from softcradle.physics.numerics.knots import add_half_work, put_mean
 from softcradle.physics.numerics.law_kernels import energy_fall
 from softcradle.physics.numerics.law_kernels import force as power_force
+from softcradle.physics.numerics.swing import string_pull
 from softcradle.physics.numerics.switches import has_stopped
 from softcradle.physics.numerics.table_kernels import has_table, table_value
 
@@ -95,6 +96,15 @@ def push(chain, motion):
 
 
 @inlined
+def swing_back(part, chain, motion):
+    """Change the rates and the velocity of the anchor bead by the pull of the strings during `part` [s]."""
+    n = motion.rate.size
+    for i in range(n):
+        motion.rate[i] += part * string_pull(chain, i, motion.overlap[i])
+    motion.anchor[1] += part * string_pull(chain, n, motion.anchor[0])
+
+
+@inlined
 def kick(part, chain, motion):
     """Change the rates by all forces during `part` [s], through the accelerations of the beads: w_i += h (a_i - a_(i+1))."""
     n, inverse_mass, outside = motion.rate.size, chain.inverse_mass, chain.push
@@ -104,6 +114,8 @@ def kick(part, chain, motion):
         anchor[1] += part * outside[bead] * inverse_mass[bead]
         for i in range(n):
             rate[i] += part * (outside[i] * inverse_mass[i] - outside[i + 1] * inverse_mass[i + 1])
+    if chain.strings.rest.size:
+        swing_back(part, chain, motion)
     # contact forces on the anchor bead, then on all contacts from left to right
     before = force[bead - 1] if bead > 0 else 0.0
     after = force[bead] if bead < n else 0.0
@@ -121,6 +133,8 @@ def kick_and_brake(part, chain, motion, beads):
     """Change the bead velocities by all forces during `part` [s], then apply friction. `beads` (2 or more, n+1) is scratch."""
     n, inverse_mass, bed = motion.rate.size, chain.inverse_mass, chain.dissipation.bed
     rate, anchor, force = motion.rate, motion.anchor, motion.force
+    if chain.strings.rest.size:  # without a bed, so that the order of both changes does not matter
+        swing_back(part, chain, motion)
     if bed.size:
         bead_velocities(rate, chain.anchor_bead, anchor[1], beads[0])
     # beads[0]: velocities before; beads[1]: velocity changes

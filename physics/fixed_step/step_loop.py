@@ -2,8 +2,8 @@
 
 A sample between two steps is one shorter step of the same method from the last grid point. It has the accuracy of the
 method and does not change the path. While all contacts are open and no bed brakes, whole steps of free flight are taken
-at once, because the drift is exact. A run to the end on a bed stops when all beads rest, or when no contact pushes and
-none can close before the beads have slid to rest.
+at once, because the drift is exact; on strings it is a sine. A run to the end on a bed stops when all beads rest, or when
+no contact pushes and none can close before the beads have slid to rest.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from softcradle.physics.numerics.records import (
     Samples,
     SwitchLog,
 )
+from softcradle.physics.numerics.swing import flight_on_strings, swing
 from softcradle.physics.numerics.switches import copy_motion, has_stopped, is_closed, log_switch, row_of, take_no_pull
 
 Array = NDArray[np.float64]
@@ -212,8 +213,11 @@ def is_before(sample, time, h):
 
 
 @inlined
-def fly(steps, h, motion):
+def fly(steps, h, chain, motion):
     """Take a number of whole steps of free flight in one go."""
+    if chain.strings.rest.size:
+        swing(steps * h, chain, motion)
+        return
     for i in range(motion.overlap.size):
         motion.overlap[i] += steps * h * motion.rate[i]
     motion.anchor[0] += steps * h * motion.anchor[1]
@@ -289,14 +293,19 @@ def steps_ahead(time, steady, free, rests, still, flown, run):
     # a chain at rest or in free flight: take the whole steps before the next closing at once
     if rests or free:
         ahead = min(ahead, steady - time)
-        flight = math.inf if rests else flight_time(chain.graph, motion.overlap, motion.rate, still)
+        if rests:
+            flight = math.inf
+        elif chain.strings.rest.size:
+            flight = flight_on_strings(chain, motion, still)
+        else:
+            flight = flight_time(chain.graph, motion.overlap, motion.rate, still)
         whole = (
             0.0
             if chain.dissipation.bed.size > 0 and not rests
             else math.floor(min(flight, ahead, MOST_AT_ONCE * h) / h) - 1.0
         )
         if whole >= 1.0:
-            fly(whole, h, motion)
+            fly(whole, h, chain, motion)
             counter[STEP] += int(whole)
             return Stretch(False, FLOWN, np.int64(whole), h, False)
         # A contact may close and open within one step without a change of its flag, so go at most one step beyond the
@@ -367,6 +376,7 @@ def march(
     run = Run(h, extent, chain, motion, samples, log, Samples(*kept_fields), plan, beads)
     counter, start, end = log.counter, extent.start, extent.end
     between_walls = kicks.size == 0 and chain.inverse_mass[0] == 0.0 and chain.inverse_mass[-1] == 0.0
+    between_walls = between_walls and chain.strings.rest.size == 0  # strings keep the round-off from growing
     progress = begin_or_resume(pause, run)
     time = start + counter[STEP] * h
     while True:

@@ -51,6 +51,18 @@ def put_impulse(i, impulse, weight, coupling, chain, motion):
 
 
 @inlined
+def bead_displacements(chain, overlap, anchor_position, difference, displacement):
+    """Write the displacements (n+1,) [m] of beads on strings from their places of rest into `displacement`.
+
+    `difference` (n or more,) is scratch memory.
+    """
+    n = overlap.size
+    for i in range(n):
+        difference[i] = overlap[i] - chain.strings.rest[i]
+    bead_velocities(difference[:n], chain.anchor_bead, anchor_position - chain.strings.rest[n], displacement)
+
+
+@inlined
 def at_rest(motion):
     """Return True if no bead moves."""
     resting = motion.anchor[1] == 0.0

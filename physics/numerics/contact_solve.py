@@ -58,7 +58,8 @@ SOLVER_ROWS = 14
 START_VELOCITY = 0  # velocity v0 at the start of the step
 FREE_VELOCITY = 1  # velocity u at the end of the step without friction
 FRICTION = 2  # acceleration by friction; STICKS if friction stops the bead
-BEAD_ROWS = 3
+HUNG_MASS = 3  # inverse mass with which the solver takes a step of beads on strings
+BEAD_ROWS = 4
 STICKS = math.nan
 
 # A row has converged if its residual is at most this fraction of the sum of its absolute terms (a few round-offs).

@@ -1,4 +1,4 @@
-"""Powers, exponentials and logarithms that are bitwise reproducible on every machine and in every browser.
+"""Powers, exponentials, logarithms, sines and arc tangents that are bitwise reproducible on every machine and in every browser.
 
     ln x = k ln 2 - ln v + ln(1 + r),   x = 2**k z,  r = z v - 1:  v has few bits, one value for each 128th of an octave
     e**x = 2**k 2**(j/128) e**r,        r = x - (128 k + j) ln(2)/128
@@ -7,7 +7,8 @@
 The C libraries of different systems round these functions differently, and so do processors with fused multiply-add.
 Here each operation is one of IEEE 754, in a fixed order. Largest errors in units of the last place (``python -m
 tools.elementary_errors``): exp, and log near 1: 0.51 and 0.75; log1p 0.75; expm1 1.5. Powers: 0.51 for exponents below
-3, 0.7 below 30, and 1.7 if the result is near the largest or the smallest float.
+3, 0.7 below 30, and 1.7 if the result is near the largest or the smallest float. Sine, cosine and arc tangent: 0.8, with the
+polynomials of fdlibm (k_sin.c, k_cos.c and s_atan.c, Sun Microsystems, 1993).
 """
 
 from __future__ import annotations
@@ -49,6 +50,24 @@ ROUND = 1.5 * 2.0**52  # Adding this number rounds to the nearest integer, which
 # bits of ROUND: subtracting them leaves that integer
 ROUND_BITS = 0x4338000000000000
 USUAL = 700.0  # Largest exponent of e for which neither the result nor an intermediate factor overflows or underflows.
+
+# pi as a float; as a sum of two floats, half of it is the sum of QUARTER_HEAD and QUARTER_TAIL.
+HALF_TURN = 3.141592653589793
+# pi/2 as a sum of two floats. The first has 33 significant bits, so its product with a small integer is exact.
+QUARTER_HEAD, QUARTER_TAIL = 1.57079632673412561417e00, 6.07710050650619224932e-11
+# Coefficients of sin x = x + x³ (S1 + S2 x² + ...) and cos x = 1 - x²/2 + x⁴ (C1 + C2 x² + ...) for abs(x) <= pi/4.
+S1, S2, S3 = -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04
+S4, S5, S6 = 2.75573137070700676789e-06, -2.50507602534068634195e-08, 1.58969099521155010221e-10
+C1, C2, C3 = 4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05
+C4, C5, C6 = -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11
+# Coefficients of atan x = x - x (T0 x² + T1 x⁴ + ...) for abs(x) <= 7/16.
+T0, T1, T2 = 3.33333333333329318027e-01, -1.99999999998764832476e-01, 1.42857142725034663711e-01
+T3, T4, T5 = -1.11111104054623557880e-01, 9.09088713343650656196e-02, -7.69187620504482999495e-02
+T6, T7, T8 = 6.66107313738753120669e-02, -5.83357013379057348645e-02, 4.97687799461593236017e-02
+T9, T10 = -3.65315727442169155270e-02, 1.62858201153657823623e-02
+# atan(1/2) and atan(1), each as a sum of two floats.
+HALF_HEAD, HALF_TAIL = 4.63647609000806093515e-01, 2.26987774529616870924e-17
+ONE_HEAD, ONE_TAIL = 7.85398163397448278999e-01, 3.06161699786838301793e-17
 
 
 @jit
@@ -176,3 +195,57 @@ def power(base, exponent):
     if 0.0 < base < LEAST:
         return usual_power(base * LIFT, 54, exponent)
     return base if exponent > 0.0 or math.isnan(base) else 1.0 / base
+
+
+@jit
+def sine_cosine(x):
+    """Return sin x and cos x for 0 <= x <= 1e5."""
+    # x = n pi/2 + r + more, with the remainder as a sum of two floats
+    n = math.floor(x / (QUARTER_HEAD + QUARTER_TAIL) + 0.5)
+    head, tail = x - n * QUARTER_HEAD, n * QUARTER_TAIL
+    r = head - tail
+    more = (head - r) - tail
+    z = r * r
+    # the sine and the cosine of the remainder
+    p = S2 + z * (S3 + z * (S4 + z * (S5 + z * S6)))
+    sine = r - ((z * (0.5 * more - z * r * p) - more) - z * r * S1)
+    q = z * (C1 + z * (C2 + z * C3)) + (z * z) * (z * z) * (C4 + z * (C5 + z * C6))
+    half = 0.5 * z
+    main = 1.0 - half
+    cosine = main + (((1.0 - main) - half) + (z * q - r * more))
+    # the quadrant
+    quadrant = int(n) & 3
+    if quadrant & 1:
+        sine, cosine = cosine, -sine
+    if quadrant & 2:
+        sine, cosine = -sine, -cosine
+    return sine, cosine
+
+
+@jit
+def arc_tangent(x):
+    """Return atan x for 0 <= x <= 1."""
+    # reduce the argument by the addition theorem, about 1/2 or 1
+    head, tail, t = 0.0, 0.0, x
+    if x >= 0.6875:
+        head, tail, t = ONE_HEAD, ONE_TAIL, (x - 1.0) / (x + 1.0)
+    elif x >= 0.4375:
+        head, tail, t = HALF_HEAD, HALF_TAIL, (2.0 * x - 1.0) / (2.0 + x)
+    z = t * t
+    w = z * z
+    odd = z * (T0 + w * (T2 + w * (T4 + w * (T6 + w * (T8 + w * T10)))))
+    even = w * (T1 + w * (T3 + w * (T5 + w * (T7 + w * T9))))
+    return head - ((t * (odd + even) - tail) - t)
+
+
+@jit
+def turning_angle(sine, cosine):
+    """Return the angle from 0 to 2 pi whose sine and cosine are in the ratio of the arguments."""
+    a, b = abs(sine), abs(cosine)
+    # the angle in the first quadrant, from the smaller ratio
+    angle = arc_tangent(a / b) if a <= b else 2.0 * ONE_HEAD + (2.0 * ONE_TAIL - arc_tangent(b / a))
+    if cosine < 0.0:
+        angle = 4.0 * ONE_HEAD + (4.0 * ONE_TAIL - angle)
+    if sine < 0.0:
+        angle = 8.0 * ONE_HEAD + (8.0 * ONE_TAIL - angle)
+    return angle

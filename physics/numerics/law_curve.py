@@ -22,6 +22,7 @@ from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, jit, piece
 from softcradle.physics.numerics.knots import drive_at
 from softcradle.physics.numerics.records import FORCE_FROM, FROM
+from softcradle.physics.numerics.swing import string_pull
 from softcradle.physics.numerics.table_kernels import has_table, table_inverse, table_slope, table_value
 
 ROOT6 = math.sqrt(6.0)
@@ -304,15 +305,19 @@ def flow_into(i, inverse_mass, force):
 
 
 @inlined
-def acceleration_of(i, chain, force, passed):
-    """Return w' [m/s²] of contact i under the contact forces (n,) and the external forces, `passed` [s] from now."""
-    return drive_at(chain, i, passed) - flow_into(i, chain.inverse_mass, force)
+def acceleration_of(i, chain, overlap, force, passed):
+    """Return w' [m/s²] of contact i at `overlap` [m], `passed` [s] from now: by contact forces, external forces and strings."""
+    found = drive_at(chain, i, passed) - flow_into(i, chain.inverse_mass, force)
+    if chain.strings.rest.size:
+        found += string_pull(chain, i, overlap)
+    return found
 
 
 @piece
 def anchor_acceleration(chain, force, passed):
     """Return the acceleration [m/s²] of the anchor bead by the contact forces (n,) and external forces, `passed` [s] from now."""
     inverse_mass, anchor_bead = chain.inverse_mass, chain.anchor_bead
+    # The strings of a chain are not included, because their pull depends on the position of the bead.
     net = force[anchor_bead - 1] if anchor_bead > 0 else 0.0
     if anchor_bead < force.size:
         net -= force[anchor_bead]

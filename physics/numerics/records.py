@@ -113,6 +113,16 @@ NO_GRAPHS = Graphs(
 NO_DISSIPATION = Dissipation(NOTHING, NOTHING)
 
 
+class Strings(NamedTuple):
+    """Strings on which all beads of a chain hang, see `softcradle.physics.numerics.swing`."""
+
+    rest: Array  # (n+1,) overlaps at rest [m], then the position of the anchor bead at rest [m]; (0,) without strings
+    square: float  # omega² = gravity / length [1/s²]; 0 without strings
+
+
+NO_STRINGS = Strings(NOTHING, 0.0)
+
+
 class ChainData(NamedTuple):
     """A chain and the forces on it as arrays: the data that do not change during a run."""
 
@@ -128,6 +138,7 @@ class ChainData(NamedTuple):
     # Forces over time. Their values at one time, or their means over a step, are written into `push` and `bed`.
     knots: Knots = NO_KNOTS
     dissipation: Dissipation = NO_DISSIPATION  # empty in the effective chain of the adaptive steps
+    strings: Strings = NO_STRINGS
 
 
 class Motion(NamedTuple):

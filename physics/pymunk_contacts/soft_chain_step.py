@@ -18,7 +18,7 @@ import math
 from softcradle.physics.numerics.contact_solve import DIAGONAL, END, FREE, HOLD, SOLVER_ROWS, loses, solve_contacts
 from softcradle.physics.numerics.jit import jit
 from softcradle.physics.numerics.law_kernels import EPSILON, energy
-from softcradle.physics.numerics.records import ChainData, Dissipation, Motion
+from softcradle.physics.numerics.records import ChainData, Dissipation, Motion, Strings
 from softcradle.physics.numerics.switches import copy_into
 from softcradle.physics.numerics.touching import TOUCHES, settle_touching
 
@@ -148,7 +148,7 @@ def solve_chain_step(h, law, graph, loss, absorbed, bodies, lag, outside, overla
         end[i] = overlap[i] if overlap[i] > 0.0 else overlap[i] + free[i]
     coupling[n] = 0.0
     none = coupling[:0]
-    chain = ChainData(law, coupling, none, none, 0, graph, none, Dissipation(loss, none))
+    chain = ChainData(law, coupling, none, none, 0, graph, none, Dissipation(loss, none), Strings(none, 0.0))
     motion = Motion(overlap, rate, none, force, none, none, none)
     # mean forces and overlaps at the end of the step, as in `conserving`
     used = solve_contacts(h, chain, motion, beads, work)

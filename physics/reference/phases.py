@@ -17,6 +17,8 @@ its coupler has coupled.
 
     d' = w,   w' = B M^-1 (push - B^T f)          B: (p, n+1), the velocities of the rows from those of the beads
 
+On strings, omega² (r - d) adds to w', with the overlap r at rest.
+
 The capacity C is the force of the law at the smallest overlap that the tolerance distinguishes from 0, so it exceeds
 the preload F. Without it, overlaps inside a rigid-like cluster behind a soft interface would start at 1e-100, and no
 step could follow them. At a switch, Gauss's principle decides which constraints move on: the accelerations are as close
@@ -36,7 +38,7 @@ from softcradle.physics.chain import GRAVITY, Chain
 from softcradle.physics.reference.laws import Laws
 from softcradle.physics.reference.spans import Span
 from softcradle.physics.scales import speed_scale
-from softcradle.physics.state import State, coupled_of, from_anchor
+from softcradle.physics.state import State, coupled_of, from_anchor, rest_of
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -86,6 +88,8 @@ class System:
         external = state.external(chain)
         self.steady = np.zeros(self.n + 1) if external is None else external
         self.bed = chain.finite_mass * GRAVITY * chain.friction
+        self.rest, self.place = rest_of(chain)  # of beads on strings
+        self.first = np.unique(laws.joint, return_index=True)[1]  # the pushing side of each joint
         # Matrix from the velocities of beads to those of constraints: differences of neighbours, and on a bed also each bead.
         difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
         contacts = laws.side[:, None] * difference[laws.joint]
@@ -120,6 +124,16 @@ class System:
     def velocity(self, y: Array) -> Array:
         """Return the (..., n+1) velocities [m/s] of the beads."""
         return from_anchor(y[..., self.m : self.m + self.n], y[..., -1], self.chain.anchor)
+
+    def pull(self, y: Array) -> Array:
+        """Return the (..., n) accelerations [m/s²] of the joints by strings, towards their overlaps at rest."""
+        overlap = self.laws.origin[self.first] + self.laws.side[self.first] * y[..., self.first]
+        return self.chain.swing * (self.rest - overlap)
+
+    def string_forces(self, y: Array) -> Array:
+        """Return the (n+1,) forces [N] of the strings on the beads."""
+        pulled = from_anchor(self.pull(y), self.chain.swing * (self.place - y[-2]), self.chain.anchor)
+        return self.chain.finite_mass * pulled
 
     def row_velocity(self, y: Array) -> Array:
         """Return the (..., p) velocities [m/s] of the constraints. The velocities of contacts come from the rates,
@@ -215,6 +229,8 @@ class Phase:
         found, system = self.given(time, y), self.system
         if self.fixed.any():
             pushed = (system.push(time, self.span) * system.chain.inverse_mass) @ system.rows.T
+            if system.chain.swing:
+                pushed = pushed + system.laws.side * system.pull(y)[..., system.laws.joint]
             found = found + found @ self.carried.T + pushed @ self.solved.T
         return found
 
@@ -228,7 +244,11 @@ class Phase:
         acceleration = net * system.chain.inverse_mass
         acceleration[self.still] = 0.0
         rate = y[m:-2]
-        closing = np.where(self.stands, 0.0, acceleration[:-1] - acceleration[1:])
+        closing = acceleration[:-1] - acceleration[1:]
+        if system.chain.swing:
+            closing = closing + system.pull(y)
+            acceleration[system.chain.anchor] += system.chain.swing * (system.place - y[-2])
+        closing = np.where(self.stands, 0.0, closing)
         return np.concatenate(
             (system.laws.side * rate[system.laws.joint], closing, (y[-1], acceleration[system.chain.anchor]))
         )
@@ -245,6 +265,10 @@ class Phase:
         matrix[m : m + n, :m] = np.where(self.stands[:, None], 0.0, acceleration[:-1] - acceleration[1:])
         matrix[-2, -1] = 1.0
         matrix[-1, :m] = acceleration[system.chain.anchor]
+        if system.chain.swing:
+            hangs = np.flatnonzero(~self.stands)
+            matrix[m + hangs, system.first[hangs]] -= system.chain.swing * system.laws.side[system.first[hangs]]
+            matrix[-1, -2] -= system.chain.swing
         return matrix
 
     def guards(self, time: Any, y: Array) -> tuple[Array, Array, Array]:
@@ -424,6 +448,8 @@ def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.i
     system, chosen = rests.system, np.zeros(resting.size, dtype=np.int8)
     root = np.sqrt(system.chain.inverse_mass)
     given, push = rests.given(time, y), system.push(time, rests.span)
+    if system.chain.swing:
+        push = push + system.string_forces(y)
     free = root * (push - given @ system.rows)
     balanced = root * (np.abs(push) + np.abs(given) @ np.abs(system.rows))
     low, high = rests.bounds(time, y)

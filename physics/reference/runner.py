@@ -259,7 +259,7 @@ class _Run:
                 for k in inside:
                     states[k, :m] = segment.phase.shown_overlap(states[k, :m], forces[k, :m])
         # The pushing part of a coupler represents its joint.
-        first = np.unique(system.laws.joint, return_index=True)[1]
+        first = system.first
         return {
             "time": times, "overlap": states[:, first], "rate": states[:, m:-2], "anchor": states[:, -2:],
             "force": system.on_joints(forces), "taken": self.taken_at(times),

@@ -100,7 +100,7 @@ class EnergyBars:
             return
         if math.isfinite(motion.energy_error[row]):
             self._badge(surface, 0, _("energy error"), float(motion.energy_error[row]))
-        if not (motion.chain.walls or motion.chain.on_bed):  # Walls and the bed exchange momentum with the beads.
+        if not (motion.chain.walls or motion.chain.takes_momentum):  # Walls exchange momentum with the beads as well.
             self._badge(surface, 1, _("momentum error"), float(motion.momentum_error[row]))
 
     def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:

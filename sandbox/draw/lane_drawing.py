@@ -85,6 +85,7 @@ KEY = 26.0  # Height of the line with the name of the lane and the key, above th
 FORCE_LABEL = 17.0  # Height of a force label above its bar [design pixels].
 # Height of a bead as a fraction of the height of the drawing: the usual value, and the smallest one, for low drawings.
 TALLEST_BEAD, LEAST_BEAD = 0.40, 0.22
+HANGING_BEAD = 0.25  # The same for beads on strings, which leaves room for the strings.
 BAR_LIFT = 8.0  # Distance between the tops of the beads and the zero line of the bars [design pixels].
 LEAST_BAR = 18.0  # Smallest height of the highest bar [design pixels]. Beads shrink to make room for it.
 GROUND = 30.0  # Distance between the ground line and the lower edge of the drawing [design pixels].
@@ -148,7 +149,9 @@ class LaneDrawing:
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
         height = body_height([lane.chain() for lane in scene.lanes])
-        self.scale = min(rect.width / (high - low), _tallest(rect, unit) / (height * self.length))  # pixels per metre
+        hangs = any(lane.chain().swing for lane in scene.lanes)
+        tallest = min(_tallest(rect, unit), HANGING_BEAD * rect.height) if hangs else _tallest(rect, unit)
+        self.scale = min(rect.width / (high - low), tallest / (height * self.length))  # pixels per metre
         self.bead = self.length * self.scale  # length of a bead [pixels]
         self.number_size = (0.31 * CYLINDER_HEIGHT if height < 1.0 else 0.36) * self.bead
         self.ground = rect.bottom - GROUND * unit
@@ -158,6 +161,9 @@ class LaneDrawing:
         self.heading: tuple[pygame.Rect, ...] = ()  # rectangles of the key, the ruler and the axis labels after drawing
         self._prefix = ""  # prefix of the unit of forces, such as "k"
         self._legend: tuple[float, float] | None = None  # position of the legend of the marks; None if it is not shown
+        # upper end and rise of each bead on a string in the last picture, and the drawn length of the strings [pixels]
+        self.hangs: list[tuple[float, float]] = []
+        self.string = 0.0
         self.arrows = "velocity"  # quantity that the arrows show, a key of ARROWS
         self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
         masses = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
@@ -249,6 +255,31 @@ class LaneDrawing:
         first, low = round(min(left, named.left) - 4 * unit), round(y + 8 * unit)
         return pygame.Rect(first, rect.top, rect.right - first, low - rect.top), words
 
+    def _hangs(self, edges: Array, motion: Motion, row: int) -> list[tuple[float, float]]:
+        """Return for each bead on a string the pixel of its upper end, and how many pixels the bead is above the ground.
+
+        The string is drawn as long as it is to scale, but not beyond the lower edge of the key. Beads move along arcs.
+        """
+        if not self.chain.swing:
+            return []
+        highest = self.rect.top + KEY * self.unit
+        self.string = min(self.scale * (self.chain.strings or 0.0), self.ground - 0.5 * self.bead - highest)
+        aside = self.scale * motion.displacement[row]
+        way = np.minimum(np.abs(aside), 0.99 * self.string)
+        rises = self.string - np.sqrt(self.string**2 - way**2)
+        return list(zip((edges + 0.5 * self.bead - aside).tolist(), rises.tolist(), strict=True))
+
+    def _strings(self, surface: pygame.Surface, edges: list[float]) -> None:
+        """Draw the bar on which the beads hang, and their strings."""
+        if not self.hangs:
+            return
+        top, thick = self.ground - 0.5 * self.bead - self.string, max(1.0, self.unit)
+        first, last = self.hangs[0][0] - self.bead, self.hangs[-1][0] + self.bead
+        fill_rectangle(surface, tones.muted, (first, top - 2 * thick, last - first, 2 * thick))
+        for x, (end, rise) in zip(edges, self.hangs, strict=True):
+            middle = x + 0.5 * self.bead, self.ground - 0.5 * self.bead - rise
+            pygame.draw.aaline(surface, tones.muted, (end, top), middle)
+
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, left: float) -> Array:
         """Draw the sample `row` of `motion` with position 0 at pixel `left`. Return the (n,) horizontal pixels of the
         contacts.
@@ -257,7 +288,9 @@ class LaneDrawing:
         edges = left + self.scale * left_edges(motion.position[row], overlap, self.length, self.scales.magnify)
         faces = edges[:-1] + self.bead, edges[1:]
         contacts = (faces[0] + faces[1]) / 2
+        self.hangs = self._hangs(edges, motion, row)
         surface.set_clip(self.rect)
+        self._strings(surface, edges.tolist())
         self._bodies(surface, edges.tolist(), (faces[0] - np.maximum(faces[0] - faces[1], 0.0)).tolist())
         self._bars(surface, contacts.tolist(), overlap.tolist(), motion.force[row].tolist())
         self._arrows(surface, edges.tolist(), ARROWS[self.arrows](motion, row, self.scales).tolist())
@@ -270,7 +303,7 @@ class LaneDrawing:
         for i in on_screen:
             if self._is_gear(i):
                 end = faces[i] if i < len(faces) else edges[i] + self.bead
-                top = self.ground - self.bead * (0.5 * CYLINDER_HEIGHT + 0.22)
+                top = self.ground - self.bead * (0.5 * CYLINDER_HEIGHT + 0.22) - self.rise(i)
                 blit_sprite(surface, piston_sprite(self.bead, self.bead), end - 0.5 * self.bead, top)
         for i in on_screen:
             self._cut(surface, i, edges)
@@ -317,16 +350,20 @@ class LaneDrawing:
         elif self._is_gear(bead):
             colour, gear = self.colours[bead], cylinder_sprite
             image = wagon_sprite(size, size, colour, self.locomotives[bead]) if self.train else gear(size, size, colour)
-            blit_sprite(surface, image, x, self.ground - CYLINDER_HEIGHT * size)
+            blit_sprite(surface, image, x, self.ground - CYLINDER_HEIGHT * size - self.rise(bead))
         else:
             image = bead_sprite(size, self.colours[bead], self._core(bead))
-            blit_sprite(surface, image, x, self.ground - math.ceil(size))
+            blit_sprite(surface, image, x, self.ground - math.ceil(size) - self.rise(bead))
+
+    def rise(self, bead: int) -> float:
+        """Return how many pixels a bead on a string is above its lowest place in the last picture; 0 without strings."""
+        return self.hangs[bead][1] if self.hangs else 0.0
 
     def body_shape(self, bead: int, x: float) -> tuple[pygame.Rect, float]:
         """Return the rectangle around a body whose left edge is at pixel `x`, and the radius of its corners [pixels]."""
         wall = math.isinf(self.chain.mass[bead])
         height = self.bead * (WALL_HEIGHT if wall else CYLINDER_HEIGHT if self._is_gear(bead) else 1.0)
-        rect = pygame.Rect(round(x), round(self.ground - height), round(self.bead), round(height))
+        rect = pygame.Rect(round(x), round(self.ground - height - self.rise(bead)), round(self.bead), round(height))
         round_body = not wall and not self._is_gear(bead)
         return rect, 0.5 * self.bead if round_body else 0.08 * self.bead
 
@@ -335,7 +372,7 @@ class LaneDrawing:
             return
         size = self.number_size
         middle = x + self.bead * (0.5 * CYLINDER_LENGTH if self._is_gear(bead) else 0.5)
-        y = self.ground - self.bead * (0.5 * CYLINDER_HEIGHT if self._is_gear(bead) else 0.5)
+        y = self.ground - self.bead * (0.5 * CYLINDER_HEIGHT if self._is_gear(bead) else 0.5) - self.rise(bead)
         half = math.ceil(3 * size) / 2
         blit_sprite(surface, number_sprite(str(bead), size, text_on(self.colours[bead])), middle - half, y - half)
 

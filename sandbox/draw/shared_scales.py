@@ -171,9 +171,9 @@ def longest_lead(chain: Chain, velocity: Array) -> float:
     """Return the longest time [s] before the start for which free flight can be shown; it can be infinite.
 
     Backwards in time, the flight is limited by beads that move apart at the start, because earlier they would have
-    touched. The time is 0 if there is friction or a brake, because the beads were faster before the start.
+    touched. The time is 0 with friction, brakes or strings, because the beads did not move at constant velocities.
     """
-    if chain.on_bed:
+    if chain.takes_momentum:
         return 0.0
     parting, gap = np.maximum(np.diff(velocity), 0.0), np.array(chain.gap)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -29,7 +29,7 @@ SHOWN = ["forces", "balance", "charts"]  # Parts that a page shows at first.
 
 
 def can_be_computed(scene: Scene) -> bool:
-    """Return True if a page can compute the scene itself: power laws with preload, loss, friction and a constant drive."""
+    """Return True if a page can compute the scene itself: preloaded power laws, loss, friction, strings, constant drive."""
     chains = [lane.chain() for lane in scene.lanes]
     return len(chains) <= 2 and all(
         not (chain.piecewise or chain.own_laws or chain.timed or chain.brakes) and chain.contacts < MOST_COMPUTED
@@ -109,6 +109,8 @@ def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[s
         "loss": [0.0 if chain.own_laws else float(loss) for loss in chain.loss],
         "friction": chain.friction,
         "drive": None if chain.drive is None else list(chain.drive),
+        "swing": chain.swing,
+        "strings": chain.strings,
         "speed": speed_scale(chain, velocity, duration),
     }
 

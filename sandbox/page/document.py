@@ -155,7 +155,7 @@ def heading(title: str, source: str) -> str:
     )
 
 
-def player(question: str, text: str, uniform: bool, alone: bool, moving: bool) -> str:
+def player(question: str, text: str, uniform: bool, alone: bool, moving: bool, lies: bool = True) -> str:
     """Return the beads with their clock, the texts around them, and the settings of the row.
 
     Parameters
@@ -168,6 +168,8 @@ def player(question: str, text: str, uniform: bool, alone: bool, moving: bool) -
         The row can be compared with a second one.
     moving : bool
         The row has a speed at the start.
+    lies : bool
+        The row lies on the ground, which can have friction; it does not hang on strings.
     """
     return (
         '<div class="play" id="play"><div class="tale">'
@@ -176,7 +178,7 @@ def player(question: str, text: str, uniform: bool, alone: bool, moving: bool) -
         f'{_more(alone)}<p id="words" role="status"></p><p class="text" id="text">{escape(text)}</p>'
         '<p class="ledger" id="energy"></p><div id="charts" class="charts"></div></section>'
         '<section class="settings" id="settings"><h2 class="live-only" data-say="settings">Settings</h2>'
-        f"{_settings(uniform, alone, moving)}"
+        f"{_settings(uniform, alone, moving, lies)}"
         f'{_shown()}<a id="full" target="_blank" rel="noopener" data-say="full"></a></section></div>'
         f'<p id="said" class="unseen" role="status"></p>{_share()}'
     )
@@ -258,7 +260,7 @@ def _button(name: str, word: str, icon: str, second: str = "") -> str:
     return f'<button id="{name}" data-name="{word}"><svg viewBox="0 0 24 24" aria-hidden="true">{paths}</svg></button>'
 
 
-def _settings(uniform: bool, alone: bool, moving: bool) -> str:
+def _settings(uniform: bool, alone: bool, moving: bool, lies: bool) -> str:
     alpha = "alpha" if alone else "alpha upper"
     parts = [
         _choice("law", LAWS, uniform),
@@ -267,7 +269,7 @@ def _settings(uniform: bool, alone: bool, moving: bool) -> str:
         _slider("strikers", "strikers", uniform),
         _slider("speed", "speed", moving),
         _choice("beside", BESIDE, alone),
-        _slider("friction", "friction"),
+        _slider("friction", "friction", lies),
         _slider("loss", "loss"),
     ]
     return f'<div class="sliders live-only">{"".join(parts)}</div>'

@@ -132,6 +132,7 @@ def _computed_text(scene: Scene) -> str:
             uniform=data["uniform"] is not None,
             alone=len(scene.lanes) == 1 and not is_train(scene.lanes[0].chain().mass),
             moving=any(map(any, (lane.velocity for lane in scene.lanes))),
+            lies=not any(lane.strings for lane in scene.lanes),
         ),
         numbers(""),
         keys(),

@@ -10,7 +10,6 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from softcradle.physics.chain import Chain
 from softcradle.physics.contact import Contact
 from softcradle.physics.state import State, coupled_of
 from softcradle.physics.timed_force import on_other_beads
@@ -294,7 +293,9 @@ class AddBead(LaneInput):
         drive = None if chain.drive is None else (*chain.drive[: self.bead], 0.0, *chain.drive[self.bead :])
         moved = [i + (i >= self.bead) for i in range(n + 1)]
         forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
-        longer = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
+        longer = replace(
+            chain, mass=masses, contact=contacts, gap=gaps, drive=drive, forces=forces, brakes=brakes
+        )  # friction and strings stay
         return setup.with_chain(longer, locked, origin), inserted(
             chain, longer, state, self.bead, abs(finite(N_("gap"), self.gap))
         )
@@ -321,7 +322,7 @@ class RemoveBead(LaneInput):
         moved = [None if i == self.bead else i - (i > self.bead) for i in range(n + 1)]
         forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
         contacts, gaps = [chain.contact[i] for i in rest], [chain.gap[i] for i in rest]
-        shorter = Chain(masses, contacts, gaps, drive, chain.friction, forces, brakes)
+        shorter = replace(chain, mass=masses, contact=contacts, gap=gaps, drive=drive, forces=forces, brakes=brakes)
         position, velocity = state.position(chain), state.velocity(chain)
         overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
         if 0 < self.bead < n:

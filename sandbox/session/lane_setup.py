@@ -42,14 +42,14 @@ def suitable_step(method: str, chain: Chain, speed: float) -> float:
     return step_at(chain, speed)
 
 
-def steps_in(frame_time: float, method: str, step: float, contacts: int, given: bool) -> int:
+def steps_in(frame_time: float, method: str, step: float, contacts: int, given: bool, hangs: bool = False) -> int:
     """Return the number of steps in a frame of `frame_time` [s]: none longer than `step` [s], if the frame's cost
     allows it.
 
     The cost is counted in steps, not measured, so that the same inputs give bitwise the same results on a slow
-    computer.
+    computer. Beads on strings touch for a small part of a frame only (`hangs`), and the steps between are done in one go.
     """
-    most = (TYPED_STEP_FRAME_COST if given else FRAME_COST) / (STEP_COST.get(method, 1.0) * contacts)
+    most = (TYPED_STEP_FRAME_COST if given or hangs else FRAME_COST) / (STEP_COST.get(method, 1.0) * contacts)
     return max(1, min(math.ceil(frame_time / step - 1e-9), int(most)))
 
 
@@ -157,7 +157,8 @@ class LaneSetup:
         """Return the step [s] in a frame of `frame_time` [s], see `steps_in`; None for an adaptive method."""
         if self.step == 0.0:
             return None
-        return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given)
+        hangs = self.chain.swing > 0.0
+        return frame_time / steps_in(frame_time, self.method, self.step, self.chain.contacts, self.step_given, hangs)
 
 
 def _check_carried(chain: Chain, method: str) -> None:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from softcradle.physics.chain import Chain
-from softcradle.physics.state import State
+from softcradle.physics.state import State, hanging_energy
 from softcradle.physics.trajectory import work_of_walls
 
 Array = NDArray[np.float64]
@@ -44,6 +44,8 @@ def measure(chain: Chain, state: State, ledger: Array) -> None:
     momenta = mass * state.velocity(chain)
     ledger[KINETIC] = 0.5 * float(momenta @ state.velocity(chain))
     ledger[STORED] = float(chain.stored_energy(state.overlap, force=state.force).sum())
+    if chain.swing:
+        ledger[STORED] += float(hanging_energy(chain, state.overlap, state.anchor[0]))
     ledger[MOMENTUM] = momenta.sum()
     ledger[ENERGY_SCALE] = max(ledger[ENERGY_SCALE], ledger[KINETIC] + ledger[STORED])
     ledger[MOMENTUM_SCALE] = max(ledger[MOMENTUM_SCALE], np.abs(momenta).sum())
@@ -81,7 +83,7 @@ class External(NamedTuple):
 def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -> None:
     """Book a frame: `before` and `ledger` are the measurements before and after it.
 
-    Walls and a bed with friction account for the missing momentum. If the work of the walls does not follow from it,
+    Walls, strings and a bed with friction account for the missing momentum. If the work of the walls does not follow from it,
     see `work_of_walls`, the energy after the frame is booked as it is.
     """
     ledger[[BY_CONTACTS, BY_BED]] += external.absorbed
@@ -94,7 +96,7 @@ def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -
         by_walls = float(work_of_walls(chain, np.array([external.velocity] * 2), own)[-1])
         unknown = math.isnan(by_walls)
         ledger[ENERGY_BOOKED] = ledger[KINETIC] + ledger[STORED] if unknown else ledger[ENERGY_BOOKED] + by_walls
-    if chain.walls or chain.on_bed:
+    if chain.walls or chain.takes_momentum:
         ledger[MOMENTUM_BOOKED] = ledger[MOMENTUM]
 
 

@@ -227,7 +227,7 @@ def health_of(
     level, sentence = max(found, key=lambda item: LEVELS.index(item[0]))
     return Health(
         energy_error=None if unknown else float(energy_error(ledger)),
-        momentum_error=None if chain.walls or chain.on_bed else float(momentum_error(ledger)),
+        momentum_error=None if chain.walls or chain.takes_momentum else float(momentum_error(ledger)),
         chatter=float(chatter[-1]),
         milliseconds=pacer.milliseconds,
         level=level,

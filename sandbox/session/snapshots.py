@@ -88,6 +88,8 @@ def _lane_table(setup: LaneSetup) -> dict[str, Any]:
     for name in ("forces", "brakes"):  # the same holds for these
         if not plain["chain"][name]:
             del plain["chain"][name]
+    if plain["chain"]["strings"] is None:
+        del plain["chain"]["strings"], plain["chain"]["gravity"]
     return {**plain, "start": _state_table(setup.start)}
 
 

@@ -24,6 +24,7 @@ from softcradle.physics import (
 )
 from softcradle.physics.analysis.closed_forms import critical_speed, long_linear_chain, one_on_one, rigid_stroke
 from softcradle.physics.chain import GRAVITY
+from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.paper import crest
 
 ALLOWED = 1e-7  # Allowed difference of the runs of this file. Their tolerance is a hundredth of it.
@@ -343,9 +344,68 @@ def _pulses(strikers: int) -> float:
     return float(tops.sum())
 
 
+STRING = 0.1  # length of the strings [m]
+BLOW = 0.3  # speed of the first ball at the lowest place [m/s]
+OMEGA = math.sqrt(GRAVITY / STRING)
+PERIOD = 2.0 * math.pi / OMEGA
+ROCKING = "all balls swing together at last: Hutzler et al., Am. J. Phys. 72, 1508 (2004)"
+SWINGS = 5.37  # time [periods] of the closed form of two balls; no contact is closed then
+BALL_MASS, BALL_STIFFNESS = 0.1, 3e5  # balls whose contacts last about a hundredth of a swing
+
+
+def _cradle() -> Iterator[KnownNumber]:
+    """Yield periods, exchange of momentum, energy and the last motion of balls on strings."""
+    yield KnownNumber("swing of a ball on a string [s]", PERIOD, "2 pi sqrt(l/g), small angles", _swing)
+    chain = Chain([1.0, 1.0], hooke(1e6), strings=STRING)
+    sines = "half sines of the frequencies sqrt(2 k/m + g/l) and sqrt(g/l)"
+    for ball, velocity in enumerate(two_balls(1e6, SWINGS * PERIOD)):
+        name = f"two Hooke balls after {SWINGS} swings, ball {ball} [m/s]"
+        yield KnownNumber(name, velocity, sines, partial(_swung, chain, ball))
+    yield KnownNumber("lossy cradle, one of five: energy that is left", 0.2, ROCKING, _common_swing, 1e-3)
+    conserved = "conserved; method conserving"
+    yield KnownNumber("cradle, one of five: change of energy in 1000 swings", 0.0, conserved, _energy_change, 1e-10)
+
+
+def two_balls(stiffness: float, time: float) -> tuple[float, float]:
+    """Return the velocities [m/s] of two balls of 1 kg with a Hooke contact, the first of which starts with BLOW, at `time` [s].
+
+    The overlap is half a sine while the contact is closed, and half a sine while it is open. The centre of mass swings freely.
+    """
+    inside = math.sqrt(2.0 * stiffness + OMEGA**2)
+    left = time % (math.pi / inside + math.pi / OMEGA)
+    closed = inside * left < math.pi
+    rate = BLOW * (math.cos(inside * left) if closed else -math.cos(OMEGA * (left - math.pi / inside)))
+    mean = 0.5 * BLOW * math.cos(OMEGA * time)
+    return mean + 0.5 * rate, mean - 0.5 * rate
+
+
+def _swing() -> float:
+    chain = Chain([1.0, 1.0], hertz(1e6), strings=STRING)
+    found = simulate(chain, [-BLOW, 0.0], 0.6 * PERIOD, samples=2, tolerance=TOLERANCE)
+    return 2.0 * found.contact_intervals[0][0][0]
+
+
+def _swung(chain: Chain, ball: int) -> float:
+    found = simulate(chain, [BLOW, 0.0], SWINGS * PERIOD, samples=2, tolerance=TOLERANCE)
+    return float(found.final_velocity[ball])
+
+
+def _common_swing() -> float:
+    """Return the share of the energy that is left after 60 swings of balls with loss."""
+    chain = Chain([BALL_MASS] * 5, Contact(0.0, BALL_STIFFNESS, 1.5, loss=0.1), strings=STRING)
+    found = solve(chain, [-BLOW, 0.0, 0.0, 0.0, 0.0], 60 * PERIOD, "conserving", PERIOD / 2000, 2)
+    return float((found.kinetic_energy + found.string_energy)[-1] / found.kinetic_energy[0])
+
+
+def _energy_change() -> float:
+    chain = Chain([BALL_MASS] * 5, hertz(BALL_STIFFNESS), strings=STRING)
+    found = solve(chain, [-BLOW, 0.0, 0.0, 0.0, 0.0], 1000 * PERIOD, "conserving", PERIOD / 700, 101)
+    return float(np.ptp(found.ledger) / found.ledger[0])
+
+
 def known_numbers() -> list[KnownNumber]:
     """Return every row, in the order of the table."""
-    return [*_closed_forms(), *_three_balls(), *_pulse_numbers(), *_symmetries()]
+    return [*_closed_forms(), *_three_balls(), *_pulse_numbers(), *_cradle(), *_symmetries()]
 
 
 def verified(report: Callable[[Checked], None] = lambda _: None) -> list[Checked]:

@@ -25,7 +25,6 @@ from softcradle.sandbox.window.dialog import Choices, Dialog, EntryDialog, FileC
 from softcradle.sandbox.window.display import not_too_small, open_display, toggle_fullscreen
 from softcradle.sandbox.window.event_router import NOWHERE, EventRouter, KeyboardFocus
 from softcradle.sandbox.window.gallery.page import GalleryPage
-from softcradle.sandbox.window.hanging.page import HANGING_NAME, HangingPage
 from softcradle.sandbox.window.kernel_warmup import KernelWarmup
 from softcradle.sandbox.window.keys import paint_help
 from softcradle.sandbox.window.messages import Messages
@@ -419,8 +418,6 @@ def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
 
     Raise SceneError, UserError, ValueError or OSError if no page can be made; the message is one sentence for the user.
     """
-    if name_or_path == HANGING_NAME:
-        return HangingPage(host, leave)
     from softcradle.sandbox.session.replay import Replay
     from softcradle.sandbox.session.session import Session
     from softcradle.sandbox.window.scene.page import ScenePage

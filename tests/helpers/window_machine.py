@@ -66,7 +66,7 @@ def point_of(place: Place, driver: Driver) -> tuple[int, int]:
 LEFT_OUT = {"quit", "fullscreen", "sound"}  # Actions that end the machine, or need a real screen or loudspeaker.
 KEYS = tuple(key for binding in bindings() if binding.action not in LEFT_OUT for key in binding.keys)
 UNDO_KEYS = (Key(pygame.K_z, CTRL), Key(pygame.K_z, CTRL | SHIFT))
-STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "hanging-cradle", "", *scenes.names())
+STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "", *scenes.names())
 SIZES = ((1280, 720), (800, 600), (1000, 600), (1600, 900))
 TEXTS = ("1", "0.1", "1e-3", "250", "-2", "0", "nan", "1e99", "x", "")
 LEAVING = (pygame.WINDOWFOCUSLOST, pygame.WINDOWMINIMIZED, pygame.WINDOWRESTORED, pygame.WINDOWFOCUSGAINED)

@@ -51,7 +51,7 @@ def test_every_scene_is_written_back_equal(name, tmp_path):
     assert scene.source
     # The trains stop and reverse dozens of times, so they use fixed steps, which are faster.
     assert scene.method is None or name.startswith("train-")
-    endless = any(lane.chain().walls or lane.drive for lane in scene.lanes) or name.startswith("train-")
+    endless = any(lane.chain().walls or lane.drive or lane.strings for lane in scene.lanes) or name.startswith("train-")
     assert endless == (scene.duration is not None)
     assert all(lane.label for lane in scene.lanes)
 

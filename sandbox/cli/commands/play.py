@@ -47,9 +47,8 @@ def _require_scene(wanted: str) -> None:
     """Raise UserError if a scene or file named `wanted` does not exist. The window reports problems inside a file."""
     from softcradle.sandbox.session.export import is_shared_text
     from softcradle.sandbox.window.app import STANDARD_INPUT
-    from softcradle.sandbox.window.hanging.page import HANGING_NAME
 
-    if wanted in (HANGING_NAME, STANDARD_INPUT) or is_shared_text(wanted) or os.path.exists(wanted):
+    if wanted == STANDARD_INPUT or is_shared_text(wanted) or os.path.exists(wanted):
         return
     if wanted.lower().endswith(".npz"):
         raise UserError(f"cannot find the file {wanted}")

@@ -189,8 +189,8 @@ class CaseDefinition:
 
 
 def _acts_from_outside(chain: Chain) -> bool:
-    """Return True if a drive, a force, a brake or a bed acts on beads, also in free flight."""
-    return chain.driven or chain.on_bed
+    """Return True if a drive, a force, a brake, a bed or strings act on beads, also in free flight."""
+    return chain.driven or chain.takes_momentum
 
 
 def definitions_of(scene: Scene) -> list[CaseDefinition]:

@@ -16,13 +16,6 @@ from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.text import shortened, wrapped, write
 from softcradle.sandbox.languages import ENGLISH, N_, _, language, scene_words
 from softcradle.sandbox.window.gallery import thumbnails
-from softcradle.sandbox.window.hanging.page import (
-    HANGING_NAME,
-    HANGING_SOURCE,
-    HANGING_TEXT,
-    HANGING_TITLE,
-    hanging_thumbnail,
-)
 from softcradle.sandbox.window.page import Host, Page
 from softcradle.sandbox.window.plots.scales import motions_ahead
 from softcradle.sandbox.window.widgets import TextEntry
@@ -37,7 +30,7 @@ class Section(NamedTuple):
 
 
 SECTIONS = (
-    Section(N_("Start here"), ("hertz-cradle", "one-on-four", "steel-and-soft", "train-shunting")),
+    Section(N_("Start here"), ("cradle", "one-on-four", "steel-and-soft", "train-shunting")),
     Section(
         N_("The paper"),
         (
@@ -49,7 +42,7 @@ SECTIONS = (
     Section(
         N_("Draft gears"), ("draft-gear-one-on-three", "locked-pistons", "beads-against-gear", "draft-gear-two-on-two")
     ),
-    Section(N_("Cradles"), (HANGING_NAME, "hooke-cradle")),
+    Section(N_("Cradles"), ("hertz-cradle", "hooke-cradle")),
     Section(N_("Trains"), ("train-solid", "train-cut", "train-starting", "train-braking")),
 )
 REST = N_("More")  # Title above the scenes that belong to no section.
@@ -315,7 +308,6 @@ class GalleryPage(Page):
     def _take_language(self) -> None:
         """Set the captions in the present language."""
         own = {name: (scene.title, scene.text, scene.source) for name, scene in self.scenes.items()}
-        own[HANGING_NAME] = (HANGING_TITLE, HANGING_TEXT, HANGING_SOURCE)
         self.captions = {
             name: (scene_words(title), scene_words(text), scene_words(source))
             for name, (title, text, source) in own.items()
@@ -327,7 +319,7 @@ class GalleryPage(Page):
         Thumbnails that exist only with English numbers are shown until they are redrawn.
         """
         self.made_for = theme, code = self.host.settings.theme, language()
-        self.pictures, self.english = {HANGING_NAME: hanging_thumbnail(thumbnails.SIZE)}, []
+        self.pictures, self.english = {}, []
         for name, scene in self.scenes.items():
             shipped = thumbnails.shipped(name, theme)
             picture = shipped if shipped is not None and code == ENGLISH else thumbnails.load(scene, theme)

@@ -74,6 +74,7 @@ def played(name: str) -> tuple[Session, list[float | None]]:
     session = Session(scene_of(name))
     ends: list[float | None] = [None] * len(session.lanes)
     last = session.scene.duration or math.inf
+    last -= 0.5 * session.setup.frame_time  # round-off of the time must not add a frame
     while not all(lane.over for lane in session.lanes) and session.time < last:
         session.step_frames(1)
         ends = [(end or session.time) if lane.over else None for end, lane in zip(ends, session.lanes, strict=True)]

@@ -115,7 +115,7 @@ def test_the_file_dialog_opens_without_an_installed_locale(monkeypatch: pytest.M
     assert (locale.setlocale(locale.LC_ALL), os.environ["LC_ALL"]) == (used, "xx_YY")
 
 
-@pytest.mark.parametrize("start", ["one-on-four", "hanging-cradle"])
+@pytest.mark.parametrize("start", ["one-on-four", "cradle"])
 @pytest.mark.parametrize(("scale", "text"), [(1.0, "short"), (1.0, "word " * 60), (2.0, "word " * 12)])
 def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale: float, text: str) -> None:
     driver = Driver(start)
@@ -124,7 +124,7 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
         driver.app.messages.show(f"{number} {text}")
     driver.frames(2)
     page = driver.app.page
-    footer = page.view.places.footer if start == "one-on-four" else page.places.footer
+    footer = page.view.places.footer
     places = driver.app.messages._places
     assert "2 " in places[0][1].text
     for rect, _message in places[: 1 if len(text) > 100 else None]:
@@ -216,7 +216,7 @@ def brightness(driver: Driver) -> float:
 
 def test_the_theme_changes_every_page_and_is_kept():
     driver = Driver()
-    scenes_too = [partial(driver.app.open, name) for name in ("draft-gear-one-on-three", "hanging-cradle")]
+    scenes_too = [partial(driver.app.open, name) for name in ("draft-gear-one-on-three", "cradle")]
     for show in (driver.app.show_gallery, *scenes_too):
         show()
         driver.frames(2)

@@ -84,11 +84,6 @@ def test_escape_closes_an_open_list_and_nothing_else(driver: Driver) -> None:
     driver.key(pygame.K_ESCAPE)
     assert menu.current_state is menu.menu_states["closed"]
     assert driver.page.editor.selection is not None
-    driver.app.open("hanging-cradle")
-    page = driver.app.page
-    driver.click(page.menus["law"].rect.center)
-    driver.key(pygame.K_ESCAPE)
-    assert driver.app.page is page
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
@@ -138,7 +133,7 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
     assert driver.session.lanes[0].setup.method == "conserving"
 
 
-@pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "hanging-cradle"])
+@pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "cradle"])
 def test_tab_reaches_every_control(name: str) -> None:
     driver = Driver(name)
     driver.key(pygame.K_RIGHT)  # Select a bead, which has its own controls.

@@ -69,7 +69,7 @@ PAGES = {  # Scene to open, and actions on its page.
     "film": ("three-on-five", _film),
     "the end": ("two-on-two", _end),
     "the end of two": ("steel-and-soft", _end),
-    "cradle": ("hanging-cradle", lambda driver: None),
+    "cradle": ("cradle", lambda driver: None),
     "question": ("one-on-four", lambda driver: driver.app.choose("Keep?", "A note. " * 30, dict.fromkeys("abc", list))),
     "menu": ("one-on-four", lambda driver: driver.app.act("tools")),
     "path": ("one-on-four", lambda driver: driver.page.dialogs.ask("export")),

@@ -248,7 +248,7 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # Both contain the bottom of the page.
 
 
-@pytest.mark.parametrize("name", ["one-on-four", "hanging-cradle"])
+@pytest.mark.parametrize("name", ["one-on-four", "cradle"])
 def test_the_button_of_a_film_says_stop_and_the_time(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     driver = Driver(name)
     page = driver.app.page
