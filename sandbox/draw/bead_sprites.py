@@ -72,8 +72,8 @@ def wagon_sprite(length: float, height: float, colour: Colour, locomotive: bool)
             pygame.draw.circle(fine, mix(dark, (255, 255, 255), 0.45), place, 0.45 * WHEEL * high)
         tops = ((0.0, 1.0, 0.0),) if not locomotive else ((0.0, 0.42, 0.0), (0.3, 1.0, HOOD))
         for left, right, top in tops:
-            place = shift + left * across, top * high, (right - left) * across, (FLOOR - top) * high
-            body = pygame.Rect(*map(round, place))
+            box = shift + left * across, top * high, (right - left) * across, (FLOOR - top) * high
+            body = pygame.Rect(*map(round, box))
             pygame.draw.rect(fine, outline_colour(colour), body, border_radius=corner)
             inner = body.inflate(-2 * rim, -2 * rim)
             pygame.draw.rect(fine, colour, inner, border_radius=corner)

@@ -144,6 +144,8 @@ class LaneDrawing:
         self.label, self.length, self.numbered = scene_words(lane.label), scene.view.length, scene.view.labels
         self.chain: Chain = lane.chain()
         self.train, self.locomotives = body_word(self.chain) == "wagon", locomotives(self.chain)
+        beads = range(self.chain.contacts + 1)
+        self.balls = tuple(math.isfinite(self.chain.mass[i]) and not self._is_gear(i) for i in beads)
         palette = bead_colours(self.chain.contacts + 1)
         self.contact_colours = palette[1:]  # A contact has the colour of the bead on its right, which it pushes.
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
@@ -305,43 +307,47 @@ class LaneDrawing:
                 end = faces[i] if i < len(faces) else edges[i] + self.bead
                 top = self.ground - self.bead * (0.5 * CYLINDER_HEIGHT + 0.22) - self.rise(i)
                 blit_sprite(surface, piston_sprite(self.bead, self.bead), end - 0.5 * self.bead, top)
+        pressed = self._pressed(edges)
         for i in on_screen:
-            self._cut(surface, i, edges)
-            self._body(surface, i, edges[i])
-        surface.set_clip(self.rect)
+            if pressed[i] or pressed[i + 1]:
+                self._cut(surface, edges, i, pressed)
+                self._body(surface, i, edges[i])
+                surface.set_clip(self.rect)
+            else:
+                self._body(surface, i, edges[i])
         for i in on_screen:
-            self._face(surface, i, edges)
+            if pressed[i]:
+                self._face(surface, i, edges[i], pressed[i])
         if self.numbered and self.number_size >= SMALLEST_NUMBER:
             for i in on_screen:
                 self._number(surface, i, edges[i])
 
-    def _pressed(self, contact: int, edges: list[float]) -> float:
-        """Return the overlap [pixels] of two balls, or 0 if they are apart or if one of them is not a ball."""
-        if not 0 <= contact < len(edges) - 1:
-            return 0.0
-        if any(math.isinf(self.chain.mass[i]) or self._is_gear(i) for i in (contact, contact + 1)):
-            return 0.0
-        overlap = edges[contact] + self.bead - edges[contact + 1]
-        return overlap if 0.0 < overlap < self.bead else 0.0
+    def _pressed(self, edges: list[float]) -> list[float]:
+        """Return the overlap [pixels] on the left of each bead, and 0 for the end of the row.
 
-    def _cut(self, surface: pygame.Surface, bead: int, edges: list[float]) -> None:
+        It is 0 for bodies that are apart, and for a pair that contains another body than a ball.
+        """
+        found, balls, size = [0.0], self.balls, self.bead
+        for i in range(len(edges) - 1):
+            overlap = edges[i] + size - edges[i + 1] if balls[i] and balls[i + 1] else 0.0
+            found.append(overlap if 0.0 < overlap < size else 0.0)
+        return [*found, 0.0]
+
+    def _cut(self, surface: pygame.Surface, edges: list[float], bead: int, pressed: list[float]) -> None:
         """Clip the surface to the part of a ball between its flat faces."""
         left, right = self.rect.left, self.rect.right
-        if overlap := self._pressed(bead - 1, edges):
-            left = max(left, round(edges[bead] + overlap / 2))
-        if overlap := self._pressed(bead, edges):
-            right = min(right, round(edges[bead + 1] + overlap / 2))
+        if pressed[bead]:
+            left = max(left, round(edges[bead] + pressed[bead] / 2))
+        if pressed[bead + 1]:
+            right = min(right, round(edges[bead + 1] + pressed[bead + 1] / 2))
         surface.set_clip((left, self.rect.top, max(1, right - left), self.rect.height))
 
-    def _face(self, surface: pygame.Surface, contact: int, edges: list[float]) -> None:
-        """Draw the flat face between two balls that are pressed together."""
-        overlap = self._pressed(contact, edges)
-        if not overlap:
-            return
-        x, radius = edges[contact + 1] + overlap / 2, self.bead / 2
-        half, wide = math.sqrt(radius**2 - (radius - overlap / 2) ** 2), max(1.0, 0.03 * self.bead)
-        colour = outline_colour(self.colours[contact + 1])
-        fill_rectangle(surface, colour, (x - wide / 2, self.ground - radius - half, wide, 2 * half))
+    def _face(self, surface: pygame.Surface, bead: int, edge: float, overlap: float) -> None:
+        """Draw the flat face between a ball and its left neighbour, which are pressed together."""
+        x, radius = edge + overlap / 2, self.bead / 2
+        half, wide = math.sqrt(radius**2 - (radius - overlap / 2) ** 2), max(1, round(0.03 * self.bead))
+        place = round(x - wide / 2), round(self.ground - radius - half), wide, max(1, round(2 * half))
+        surface.fill(outline_colour(self.colours[bead]), place)
 
     def _body(self, surface: pygame.Surface, bead: int, x: float) -> None:
         size = self.bead

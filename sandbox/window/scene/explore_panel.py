@@ -230,6 +230,7 @@ class ExplorePanel(Inspector):
         chain = self.session.lanes[0].chain
         beads = f"{BODIES[body_word(chain)].words()['many']}: {chain.contacts + 1}"
         write(surface, beads, (rect.left, self._beads_at), 13 * unit, tones.foreground, align=(0, 0.5))
+        self._still = self.host.pointer
         cut = paint_about(surface, self._about, unit, self.session, self.questions, self.choices, sources=False)
         self._whole = self._about, cut
 

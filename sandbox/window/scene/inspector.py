@@ -319,6 +319,8 @@ class Inspector:
         self.controls: dict[str, Control] = {}
         self.buttons: list[UIButton] = []
         self._whole = self.rect, ""  # A text that is cut, and its rectangle.
+        # Place of the pointer when the text appeared. The complete text waits until the pointer moves, because it covers plots.
+        self._still = (-1, -1)
         self._seconds = 0.0  # Seconds since the last update of the numbers.
         self._last = ""  # Key of the parameter that was changed last.
         self._made = Derived(self._made_of, self._remake)
@@ -580,6 +582,7 @@ class Inspector:
         unit, rect = self.host.unit, self.rect
         if rect.width == 0:
             return
+        self._still = self.host.pointer
         if self.pick is None:
             self._whole = rect, paint_about(surface, rect, unit, self.session, self.questions, self.choices)
             return
@@ -590,7 +593,7 @@ class Inspector:
     def paint_over(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
         """Draw the complete text while the pointer is on a text that is cut."""
         unit, (rect, text) = self.host.unit, self._whole
-        if text and rect.width and rect.collidepoint(point):
+        if text and rect.width and rect.collidepoint(point) and point != self._still:
             corner = rect.left - round(14 * unit), rect.bottom
             paint_whole(surface, text, corner, round(1.4 * rect.width), unit)
 
