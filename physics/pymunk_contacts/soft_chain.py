@@ -462,7 +462,7 @@ class SoftChain:
         whole = law[0] + law[1] * deepest ** law[2]  # loading branch
         largest = np.where(pushing, np.maximum(self._force, np.where(rate > 0.0, whole, 0.0)), 0.0)
         # work of the mean force less the increase of the stored energy; zero for an elastic contact
-        rise = stored_energy(*law, end) - stored_energy(*law, overlap)
+        rise = stored_energy(law[0], law[1], law[2], end) - stored_energy(law[0], law[1], law[2], overlap)
         lost = np.where(self._loss > 0.0, self._force * (end - overlap) - rise, 0.0)
         log.add_step(step, (overlap, rate), (end, self._rate), self._force, largest, lost)
 

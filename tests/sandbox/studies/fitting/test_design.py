@@ -13,6 +13,7 @@ from softcradle.sandbox.sweeps.scene_points import LaneStart
 from softcradle.sandbox.user_error import StudyError
 
 from softcradle import Chain, draft_gear, hertz, hooke, power_law, scenes, simulate
+from tests.helpers.paths import ROOT
 
 
 def scene_of(chain, velocity, **settings):
@@ -99,7 +100,7 @@ def test_the_command_writes_a_scene_and_a_page(softcradle, tmp_path):
 
 @pytest.mark.slow
 def test_an_absorber_of_six_buffers_is_better_than_uniform_ones():
-    scene = scenes.load("examples/absorber.toml")
+    scene = scenes.load(str(ROOT / "examples" / "absorber.toml"))
     found = design(scene, "least peak force", ["lanes.0.contact[:].push.stiffness=300..30000"])
     assert found.factor > 1.15
     assert found.before[0] / found.reached[0] > 3.0
