@@ -1,7 +1,8 @@
 """All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-Other names are separate commands with their own ``--help``: ``scan`` and ``conserving`` (random chains against the
-reference), ``mutants`` (changes of a kernel that tests notice), ``auto``, ``soft-contacts``, ``soft-chains`` and ``fit``.
+``scan``, ``conserving``, ``mutants``, ``soft-contacts``, ``two-versions``, ``fit`` and ``hits`` are separate commands with
+their own ``--help``: random chains against the reference, steps of conserving, changes of a kernel that tests notice,
+SoftContacts, two checkouts, error bars of fits, tables of hits against the reference.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ BENCHMARKS = {
     name: f"benchmarks.{name.replace('-', '_')}"
     for name in (
         "steps", "many-chains", "long-chains", "work-precision", "tolerances",
-        "render", "window", "sweeps", "cold-start",
+        "callbacks", "render", "window", "sweeps", "cold-start",
     )
 }  # fmt: skip
 COMMANDS = {
@@ -37,6 +38,7 @@ COMMANDS = {
     "auto": "benchmarks.auto_choice",
     "soft-contacts": "benchmarks.soft_contacts",
     "soft-chains": "benchmarks.soft_chains",
+    "two-versions": "benchmarks.two_versions",
     "fit": "benchmarks.fit",
     "hits": "benchmarks.hits",
 }

@@ -2,13 +2,14 @@
 
 import importlib
 import json
+import sys
 
 import numpy as np
 import pytest
 from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS
 
 from benchmarks import __main__ as command
-from benchmarks import many_chains, steps, sweeps
+from benchmarks import many_chains, steps, sweeps, two_versions
 from benchmarks.auto_choice import Judged, report
 from benchmarks.steps import StepCase
 from benchmarks.work_precision import case_report
@@ -26,6 +27,23 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
     assert report.rows[0][3] == "- (0.22) missed"
     assert json.loads(json.dumps(report.data))["case"] == case.label
     assert report.data["solvers"][0]["fastest"][1]["error"] <= 1e-6
+
+
+def test_two_versions_are_timed_on_the_same_chains_by_turns(monkeypatch, capsys):
+    """Compare this version with itself. Each case runs in both interpreters, and the ratio is the ratio of the two
+    times.
+    """
+    monkeypatch.setattr(two_versions, "SECONDS", 0.0)
+    monkeypatch.setattr(two_versions, "FEWEST", 1)
+    assert set(two_versions.AIMS) < set(two_versions.cases())
+    here = two_versions.measured()
+    assert here.keys() == two_versions.times_of(sys.executable).keys()
+    rows = list(two_versions.rows(here, {key: 2.0 * time for key, time in here.items()}))
+    assert {row[0] for row in rows} == set(two_versions.cases())
+    assert all(row[4] == row[7] == "0.50" for row in rows)
+    with pytest.raises(SystemExit, match="2"):
+        command.main(["two-versions", "no/such/python"])
+    assert "no/such/python is not there" in capsys.readouterr().err
 
 
 def test_a_chunk_of_a_sweep_is_sent_as_two_numbers():
