@@ -116,6 +116,7 @@ class LiveHit:
     def __init__(self) -> None:
         self.time = 0.0
         self._begin = math.nan
+        self._speed = self._impulse = self._largest = self._lost = self._stored = 0.0
 
     def step(self, step: float, overlap: float, rate: float, force: float, stored: float, loss: float) -> Hit | None:
         """Add a step [s] with its overlap, rate, force and stored energy; return the hit that ended, or None."""

@@ -195,7 +195,8 @@ def integrate(
     (time, end, stop, most_steps), (resumed, budget) = Extent(*extent_fields), pause
     allowed, tolerance, scale = Accuracy(*accuracy_fields)
     chain, motion, steps = ChainData(*chain_fields), Motion(*motion_fields), Steps(*steps_fields)
-    regime, trial, look = Regime(*regime_fields, chain.graph), Trial(*trial_fields), Trial(*look_fields)
+    regime = Regime(*regime_fields, chain.graph)  # type: ignore[call-arg]
+    trial, look = Trial(*trial_fields), Trial(*look_fields)
     scratch, log = Scratch(*scratch_fields), SwitchLog(*log_fields)
     # Limits of velocities that follow from the tolerance, see `Bounds`. The error bound of a step is the unit of the
     # others.

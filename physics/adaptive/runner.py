@@ -294,7 +294,8 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
             kept.take(memory.log)
     # Inside the kernel overlaps count from the origins of segments; the state counts them from touching.
     if problem.chain.has_segments:
-        plain(count_from_touch)(state.overlap, Regime(*regime, ChainData(*data).graph))
+        complete = Regime(*regime, ChainData(*data).graph)  # type: ignore[call-arg]
+        plain(count_from_touch)(state.overlap, complete)
     return code, time
 
 

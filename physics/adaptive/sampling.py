@@ -186,7 +186,7 @@ def sample_steps(
     these steps. Each record is an argument, a plain tuple of its fields, because tuples are cheap to pass from Python.
     """
     chain, motion = ChainData(*chain_fields), Motion(*motion_fields)
-    regime = Regime(*regime_fields, chain.graph)
+    regime = Regime(*regime_fields, chain.graph)  # type: ignore[call-arg]
     trial, scratch, steps = Trial(*trial_fields), Scratch(*scratch_fields), Steps(*steps_fields)
     samples, log = Samples(*sample_fields), SwitchLog(*log_fields)
     # Samples need no probe steps, and only the limits that follow from the error bound.

@@ -119,7 +119,7 @@ class Stretch(NamedTuple):
 
     sampling: bool  # one shorter step to the next sample, which does not change the run
     status: int  # RUNNING, FLOWN, or the status with which the run ends
-    most: int  # largest number of steps
+    most: int | np.int64  # largest number of steps
     length: float  # length of each step [s]
     last: bool  # the step ends at the end of the run, off the grid
 

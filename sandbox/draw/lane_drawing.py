@@ -24,7 +24,6 @@ from softcradle.sandbox.draw.bodies import (
     body_height,
     cluster_ends,
     has_marks,
-    is_gear,
     locomotives,
     mass_labels,
     solid_force,
@@ -37,7 +36,7 @@ from softcradle.sandbox.draw.text import shortened, width, write
 from softcradle.sandbox.languages import N_, _, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.quantities import FORCE
-from softcradle.sandbox.story.bodies import body_word
+from softcradle.sandbox.story.bodies import body_word, is_gear
 from softcradle.sandbox.story.numbers import (
     axis_prefix,
     beside,

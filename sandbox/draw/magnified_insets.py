@@ -5,7 +5,6 @@ from collections.abc import Mapping
 
 import pygame
 from softcradle.sandbox.draw.bead_sprites import BEAD_OPACITY, outline_colour
-from softcradle.sandbox.draw.bodies import is_gear
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, blit_sprite, fill_rectangle, make_sprites
@@ -13,6 +12,7 @@ from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import width, write
 from softcradle.sandbox.languages import _
 from softcradle.sandbox.motion import Array, Motion
+from softcradle.sandbox.story.bodies import is_gear
 from softcradle.sandbox.story.numbers import factor, round_down, scientific, subscript
 
 CAP_RADIUS = 1.5  # Radius of the two discs of a contact, relative to the radius of the inset.

@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 import pygame
 from numpy.typing import NDArray
-from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH, is_gear
+from softcradle.sandbox.draw.bodies import CYLINDER_LENGTH
 from softcradle.sandbox.draw.lane_drawing import TALLEST_BEAD, LaneDrawing
 from softcradle.sandbox.draw.palette import tones
 from softcradle.sandbox.draw.shared_scales import Scales, scales_of
@@ -20,6 +20,7 @@ from softcradle.sandbox.film.scene_film import RenderReport
 from softcradle.sandbox.film.scene_motion import Frames, after_time, motion_end, scene_motions, shown_span
 from softcradle.sandbox.languages import N_
 from softcradle.sandbox.motion import Motion
+from softcradle.sandbox.story.bodies import is_gear
 from softcradle.sandbox.story.numbers import plain, round_down, scientific
 from softcradle.scenes import Scene
 

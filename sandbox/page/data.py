@@ -14,12 +14,13 @@ from softcradle.physics.fixed_step.discrete_gradient import WORK_ROWS
 from softcradle.physics.numerics.contact_solve import BEAD_ROWS
 from softcradle.physics.numerics.records import COUNTERS
 from softcradle.physics.scales import greatest_speed, speed_scale
-from softcradle.sandbox.draw.bodies import EQUAL_MASSES, HEAVY, cluster_ends, is_gear, solid_force
+from softcradle.sandbox.draw.bodies import EQUAL_MASSES, cluster_ends, solid_force
 from softcradle.sandbox.draw.palette import LIGHT, OKABE_ITO
 from softcradle.sandbox.draw.shared_scales import Scales
 from softcradle.sandbox.languages import _, in_every_language, scene_words
 from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.page.played_motion import PlayedMotion
+from softcradle.sandbox.story.bodies import HEAVY, is_gear
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 

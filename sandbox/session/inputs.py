@@ -294,7 +294,13 @@ class AddBead(LaneInput):
         moved = [i + (i >= self.bead) for i in range(n + 1)]
         forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
         longer = replace(
-            chain, mass=masses, contact=contacts, gap=gaps, drive=drive, forces=forces, brakes=brakes
+            chain,
+            mass=tuple(masses),
+            contact=tuple(contacts),
+            gap=tuple(gaps),
+            drive=drive,
+            forces=forces,
+            brakes=brakes,
         )  # friction and strings stay
         return setup.with_chain(longer, locked, origin), inserted(
             chain, longer, state, self.bead, abs(finite(N_("gap"), self.gap))
@@ -322,7 +328,15 @@ class RemoveBead(LaneInput):
         moved = [None if i == self.bead else i - (i > self.bead) for i in range(n + 1)]
         forces, brakes = on_other_beads(chain.forces, moved), on_other_beads(chain.brakes, moved)
         contacts, gaps = [chain.contact[i] for i in rest], [chain.gap[i] for i in rest]
-        shorter = replace(chain, mass=masses, contact=contacts, gap=gaps, drive=drive, forces=forces, brakes=brakes)
+        shorter = replace(
+            chain,
+            mass=tuple(masses),
+            contact=tuple(contacts),
+            gap=tuple(gaps),
+            drive=None if drive is None else tuple(drive),
+            forces=forces,
+            brakes=brakes,
+        )
         position, velocity = state.position(chain), state.velocity(chain)
         overlap, rate, force = state.overlap[rest], state.rate[rest], state.force[rest]
         if 0 < self.bead < n:

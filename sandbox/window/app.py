@@ -136,8 +136,7 @@ class App:
 
     def _unit(self) -> float:
         wide, high = LEAST_EXPLORED if self.explore else LEAST
-        high = max(high, self.page.least_height)
-        return min(self.scale * self._usual_unit, self.size[0] / wide, self.size[1] / high)
+        return min(self.scale * self._usual_unit, self.size[0] / wide, self.size[1] / max(high, self.page.least_height))
 
     @property
     def look(self) -> tuple[object, ...]:

@@ -301,7 +301,7 @@ class EntryDialog(Dialog):
             place = pygame.Rect(self.inner.left + self.indent, y, self.inner.width - self.indent, high)
             kind = TextBox if name == self.long else TextEntry
             self.entries[name] = kind(place, manager=self.manager, initial_text=text)
-            self.entries[name].name, self.entries[name].edit_position = name, len(text)
+            self.entries[name].edit_position = len(text)
             y += high + round(8 * unit)
         self.rows = [
             UIButton(

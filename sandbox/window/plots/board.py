@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pygame
@@ -79,8 +80,9 @@ def _balanced(names: list[Key], most: int) -> list[list[Key]]:
 
 def copied(part: HistorySlice) -> HistorySlice:
     """Return a slice with its own arrays. The history reuses its memory."""
-    arrays = {one.name: getattr(part, one.name) for one in fields(part)}
-    return replace(part, **{name: one.copy() for name, one in arrays.items() if isinstance(one, np.ndarray)})
+    values = {one.name: getattr(part, one.name) for one in fields(part)}
+    copies: dict[str, Any] = {name: value.copy() for name, value in values.items() if isinstance(value, np.ndarray)}
+    return replace(part, **copies)
 
 
 class PlotBoard:
