@@ -9,7 +9,7 @@ import traitlets
 from softcradle.sandbox.files import resource
 
 
-class LiveWidget(anywidget.AnyWidget):  # type: ignore[misc]  # anywidget has no types
+class LiveWidget(anywidget.AnyWidget):
     """Live page of a scene whose state Python can read and change.
 
     Attributes
