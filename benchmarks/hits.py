@@ -1,6 +1,4 @@
-"""Tables of hits of random chains against the independent reference method.
-
-    python -m benchmarks hits [--chains N] [--seed N]
+"""``python -m benchmarks hits [--chains N] [--seed N]``: compare tables of hits of random chains with the reference.
 
 The reference integrates the equations of motion with SciPy and shares no kernel with the method that is tested. Its dense
 solution gives the contact times, the speeds, the largest forces by a root search of the overlap rate, and the dissipated

@@ -145,7 +145,7 @@ class Chain(Shown):
         object.__setattr__(self, "forces", checked_forces("forces", forces, masses))
         object.__setattr__(self, "brakes", checked_forces("brakes", brakes, masses, brakes=True))
         object.__setattr__(
-            self, "strings", None if strings is None else magnitude("the length of the strings", strings)
+            self, "strings", None if strings is None else magnitude(N_("the length of the strings"), strings)
         )
         object.__setattr__(self, "gravity", magnitude("gravity", gravity))
         if self.strings and self.on_bed:

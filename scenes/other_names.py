@@ -79,7 +79,9 @@ def remedy_of(key: str, table: Mapping[str, Any], allowed: Sequence[str]) -> Rem
         return Remedy(Message("restitution", "give the contact {loss}", loss=_loss(table[key])))
     if name in GRAVITY and "drive" in allowed:
         drive = _drive(table[key], table)
-        return Remedy(Message("gravity", "use drive, the steady force on each bead in N: {drive}", drive=drive))
+        return Remedy(
+            Message("drive_for_gravity", "use drive, the steady force on each bead in N: {drive}", drive=drive)
+        )
     if name in DAMPING:
         return Remedy(
             Message("damping", "a contact loses energy by its loss, and loss = 1 - e**2 for a restitution of e")

@@ -34,7 +34,7 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 COARSE = 16.0  # Step of a coarse recording, in default steps.
-COARSE_SAMPLES = 401
+COARSE_SAMPLES = 361
 # Number of evenly spaced samples of the complete motion, and again of the time with closed contacts.
 EVEN_SAMPLES = 2001
 # Number of samples after each contact event, denser near the event, because overlaps begin as powers of the time since

@@ -37,8 +37,15 @@ BOUNDS = {
 @lru_cache
 def story_script() -> str:
     """Return the script that defines STORY (bounds by name) and WORDS (texts by language and key)."""
-    constants = {"STORY": BOUNDS, "WORDS": in_every_language(page_words)}
-    return "".join(f"const {name} = {_script(value)};\n" for name, value in constants.items())
+    words = in_every_language(page_words)
+    # Each key is written once for all languages, because keys take as many bytes as short words.
+    keys = list(next(iter(words.values())))
+    texts = {code: [found[key] for key in keys] for code, found in words.items()}
+    return (
+        f"const STORY = {_script(BOUNDS)};\n"
+        f"const WORDS = Object.fromEntries(Object.entries({_script(texts)}).map(([code, texts]) =>\n"
+        f"  [code, Object.fromEntries({_script(keys)}.map((key, k) => [key, texts[k]]))]));\n"
+    )
 
 
 def page_words() -> dict[str, str]:

@@ -357,7 +357,7 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
             times = care(data.law[i, 2], h * h * stiff, stiff / slowest)
         worst = max(worst, times * by_fine[i] * min(1.0, RATIO * by_fine[i] / max(by_coarse[i], 1e-300)))
     end = [rows[-1].copy() for rows in trial[:3]]
-    found = embedded_error(h, data, motion, trial, np.full((4, n + 1), math.nan))
+    found = embedded_error(h, data, motion, trial, np.full((WORK_ROWS, n + 1), math.nan))
     assert found == pytest.approx(worst, rel=1e-6, abs=1e-14)
     assert all((rows[-1] == same).all() for rows, same in zip(trial, end, strict=False))
 

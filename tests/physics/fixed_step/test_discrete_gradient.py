@@ -40,7 +40,8 @@ def test_energy_and_momentum_in_every_scene(name, step):
         assert np.ptp(found.ledger) < 1e-11 * max(found.ledger[0], np.abs(found.driven).max())
         assert np.isnan(found.velocity_error).all()
         assert np.isnan(found.position_error).all()
-        if chain.walls == 0 and not chain.on_bed:
+        # Strings pull the beads back, so momentum is not conserved.
+        if chain.walls == 0 and not chain.on_bed and not chain.strings:
             momentum = found.momentum - found.impulse
             scale = np.array(chain.mass) @ np.abs(found.velocity).max(axis=0)
             assert np.abs(momentum - momentum[0]).max() < 1e-12 * scale

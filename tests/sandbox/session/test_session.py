@@ -177,13 +177,13 @@ def test_the_reference_plays_trains_with_a_bounded_work_in_a_frame(scene, monkey
 
 def test_a_collision_is_told_in_words():
     session = opened("draft-gear-one-on-three")
-    assert "Bead 0 moves right at 0.5\u00a0m/s. Beads 1 to 3 are at rest." in summary_text(session)
+    assert "Cylinder 0 moves right at 0.5\u00a0m/s. Cylinders 1 to 3 are at rest." in summary_text(session)
     session.step_frames(2000)
     text = summary_text(session)
-    together = re.search(r"Beads 1 to 3 move right together at (.*?)\u00a0m/s\.", text)
-    striker = re.search(r"Bead 0 moves left at (.*?)\u00a0m/s\.", text)
+    together = re.search(r"Cylinders 1 to 3 move right together at (.*?)\u00a0m/s\.", text)
+    striker = re.search(r"Cylinder 0 moves left at (.*?)\u00a0m/s\.", text)
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
-    assert re.search(r"Bead 0 hit bead 1 at .* with 0\.5\u00a0m/s", text)
+    assert re.search(r"Cylinder 0 hit cylinder 1 at .* with 0\.5\u00a0m/s", text)
     assert "trust" not in text
     last = f"{session.contact_events().time[-1]:.3g}"  # A time, not a duration.
     assert f"The last contact opened at {last}\u00a0s." in text
@@ -215,7 +215,7 @@ def test_the_bead_that_hits_is_the_one_that_approached(name):
     scene = scenes.load(name)
     for lane, found in zip(scene.lanes, run_scene(scene), strict=True):
         rate = -np.diff(lane.velocity)
-        hit = re.search(r"Bead (\d+) hit bead (\d+)", describe("", found))
+        hit = re.search(r"\w+ (\d+) hit \w+ (\d+)", describe("", found))
         assert (int(hit[1]), int(hit[2]) - 1) == (int(rate.argmax()),) * 2 if rate.any() else hit is None
 
 

@@ -270,14 +270,14 @@ def test_the_open_dialog_offers_the_files_of_before(driver: Driver, tmp_path):
 def test_no_widget_of_a_selection_that_is_gone_stays_behind_a_dialog(driver: Driver):
     driver.click(driver.bead(2))
     assert driver.page.inspector.controls
-    # These keys clear the selection and ask the question of a lesson.
-    driver.app.frame(FRAME, [*pressed(pygame.K_ESCAPE), *pressed(pygame.K_q)])
+    # These keys clear the selection and open the dialog with the files.
+    driver.app.frame(FRAME, [*pressed(pygame.K_ESCAPE), *pressed(pygame.K_o, CTRL)])
     driver.frames(2)
     assert driver.page.editor.selection is None
     at_once = pygame.surfarray.array3d(driver.app.surface)
     driver.app.dialog.close()
     driver.frames(3)
-    driver.app.act("lesson")
+    driver.key(pygame.K_o, CTRL)
     driver.frames(3)
     assert (pygame.surfarray.array3d(driver.app.surface) == at_once).all()
 

@@ -8,6 +8,8 @@ from types import SimpleNamespace
 import pygame
 import pytest
 from softcradle.physics import METHODS
+from softcradle.physics.chain import ADJACENT_WALLS
+from softcradle.physics.messages import InputError
 from softcradle.sandbox.draw.text import width
 from softcradle.sandbox.languages import LANGUAGES, VARIABLES, error_words, language, translation
 from softcradle.sandbox.window import page_geometry
@@ -42,9 +44,6 @@ def test_the_system_locale_chooses_the_language(monkeypatch: pytest.MonkeyPatch)
         assert system_language() == code
 
 
-TWO_WALLS = "two walls side by side: a contact between them could never be solved"
-
-
 @pytest.fixture
 def german(monkeypatch: pytest.MonkeyPatch) -> Driver:
     monkeypatch.setenv("LANGUAGE", "de")
@@ -59,7 +58,7 @@ def test_numbers_and_messages_follow_the_language(german: Driver) -> None:
     assert german.page.inspector.controls["exponent"].entry.get_text() == "0,25"
     german.enter("loss", "1,5")
     assert german.messages[-1].startswith("der Verlust eines Kontakts muss >= 0 und unter 1 sein, nicht 1,5")
-    assert error_words(ValueError(TWO_WALLS)).startswith("zwei Wände")  # The error message inside another message.
+    assert error_words(InputError(ADJACENT_WALLS)).startswith("zwei Wände")  # The error message inside another message.
     assert german.page.cards.health[0].sentence == "Genauigkeit in Ordnung (conserving)"
     german.key(pygame.K_F8)
     german.frames(30)
