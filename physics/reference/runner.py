@@ -291,6 +291,8 @@ class _Run:
         # Steps of the integrator and sample times divide the segment into smooth pieces.
         edges = segment.start + segment.scale * segment.solution.ts
         edges = np.unique(np.clip([*edges, *times], segment.start, segment.end))
+        if edges.size < 2:  # Two events at the same time: nothing is absorbed between them.
+            return np.tile(before, (times.size, 1)), before
         length, middle = np.diff(edges)[:, None], 0.5 * (edges[1:] + edges[:-1])[:, None]
         at = (middle + 0.5 * length * GAUSS[0]).ravel()
         velocity, finite = system.velocity(segment.at(at)), np.isfinite(self.chain.mass)
