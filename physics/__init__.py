@@ -55,7 +55,7 @@ _HOME = {name: module for module, names in _NAMES.items() for name in names.spli
 __all__ = list(_HOME)
 
 
-if not TYPE_CHECKING:  # a type checker that sees this function accepts every name
+if not TYPE_CHECKING:  # A type checker that sees this function would accept every name.
 
     def __getattr__(name: str) -> object:
         if name not in _HOME:

@@ -1,1 +1,1 @@
-"""Methods that choose their steps: radau, dop853, and accurate, which takes either."""
+"""Methods with adaptive steps: radau, dop853, and accurate, which uses one of these two."""

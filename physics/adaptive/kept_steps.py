@@ -1,4 +1,7 @@
-"""Samples of adaptive runs, from stored steps: during the run if the sample times are known, otherwise after its end."""
+"""Samples of adaptive runs, computed from stored steps.
+
+If the sample times are known, the samples are computed during the run. Otherwise they are computed after its end.
+"""
 
 from __future__ import annotations
 
@@ -17,28 +20,31 @@ from softcradle.physics.problem import Problem, Record, empty_samples, first_sam
 
 Array = NDArray[np.float64]
 
-# Rows of a block of stored steps, and most numbers in it. Samples are computed each time a block is full. 2**18 numbers
-# are 2 MB.
+# Largest number of rows in a block of stored steps, and largest number of floats in a block. Samples are computed each
+# time a block is full. A block of 2**18 floats takes 2 MB.
 MOST_ROWS, MOST_NUMBERS = 256, 2**18
-MOST_SPARE = 4  # Number of blocks that are reused by the next run
-# Most memory for stored steps [bytes] of a run without a duration. A longer run is repeated to compute its samples.
+MOST_SPARE = 4  # Number of blocks of stored steps that the next run may reuse
+# Largest memory [bytes] for the stored steps of a run without a duration. A longer run is repeated to compute its
+# samples.
 MOST_KEPT = 2**30
-NO_STEPS = empty_steps(0, 0, False)  # Rows of a run that stores no steps
+NO_STEPS = empty_steps(0, 0, False)  # Empty storage for a run that stores no steps
 
 
 class KeptSteps:
     """Stored steps of a run, and the samples computed from them.
 
     Attributes:
-        steps: rows that the kernel fills; no rows if no samples are wanted.
+        steps: rows that the kernel fills. The array has no rows if no samples are wanted.
         known: whether the sample times were known at the start.
         ends: whether only the start and the end of the run are wanted as samples.
         overflows: whether the run had more steps than the memory limit allows.
     """
 
     def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers, spare: list[Steps]) -> None:
-        """Create the memory. `wanted` [m/s] is the error bound of a step; `spare` contains blocks of steps of earlier
-        runs.
+        """Create the memory for the steps.
+
+        `wanted` [m/s] is the error bound of a step. `spare` contains blocks of steps of earlier runs, which can be
+        reused.
         """
         self.problem, self.wanted, self.tiers, self.spare = problem, wanted, tiers, spare
         self.known = problem.duration is not None
@@ -57,11 +63,11 @@ class KeptSteps:
         self._samples = empty_samples(times, contacts)
 
     def take(self, log: SwitchLog) -> None:
-        """Compute the samples within the steps that the kernel has filled, or store these steps until the end of the
-        run.
+        """Process the steps that the kernel has stored: compute the samples within them, or keep the steps until the
+        end of the run.
         """
         count, log.counter[KEPT] = int(log.counter[KEPT]), 0
-        # Sample times known: sample now and reuse the block. Otherwise store the block.
+        # If the sample times are known, compute the samples now and reuse the block. Otherwise keep the block.
         if self.known:
             self._sample(self.steps, count)
         elif count:
@@ -73,7 +79,7 @@ class KeptSteps:
             self.steps = NO_STEPS if self.overflows else self._block()
 
     def _block(self) -> Steps:
-        """Return an empty block of steps, reusing one from an earlier run if its shape fits."""
+        """Return an empty block of steps. Reuse the block of an earlier run if it has the right shape."""
         chain, none = self.problem.chain, _steps(self.problem.chain, 0)
         wide = none.values.shape[1], none.flags.shape[1]
         while self.spare:
@@ -83,14 +89,14 @@ class KeptSteps:
         return _steps(chain, min(MOST_ROWS, MOST_NUMBERS // wide[0] + 1))
 
     def _sample(self, steps: Steps, count: int) -> None:
-        """Compute the samples within the first `count` of the `steps`."""
+        """Compute all samples that lie within the first `count` of the `steps`."""
         done = int(self._log.counter[SAMPLE])
         last = steps.time[count - 1] + steps.length[count - 1] if count else -np.inf
         # Number of wanted samples within these steps.
         many = int(np.searchsorted(self.times[done:], last))
         if many == 0:
             return
-        work = float(many * self.problem.chain.contacts)  # in plain Python a sample costs as much as a fixed step
+        work = float(many * self.problem.chain.contacts)  # In plain Python, a sample costs as much as a fixed step.
         kernel: Any = self.tiers.of(sample_steps, work)
         if kernel is not sample_steps:
             self.tiers.spent += work
@@ -98,7 +104,7 @@ class KeptSteps:
 
     @cached_property
     def _memory(self) -> Any:
-        """Fields of a chain, its Regime, a motion and scratch memory, which the sampling kernel fills from the steps."""
+        """Scratch records of the sampling kernel: a chain, its contact modes, a motion and work arrays."""
         chain, motion = self.problem.chain, self.problem.state.copy()
         n = chain.contacts
         mode, held = np.zeros(n, dtype=np.int8), np.zeros(n, dtype=np.int8)
@@ -106,13 +112,13 @@ class KeptSteps:
         return *chain_and_regime(chain, motion), motion_record(motion, mode, held), *records
 
     def record(self, found: Record, times: Array) -> Record:
-        """Return the record `found` of the run with its samples at `times`, up to the time that the run reached."""
+        """Add samples at `times` to the record `found` of the run. Samples after the end of the run are omitted."""
         if not self.known:
             self._want(times)
             for steps, count in self._chunks:
                 self._sample(steps, count)
-        # Samples after the last stored step: the beads move on with constant velocities. A run that gave up has no
-        # samples after the time that it reached.
+        # Samples after the last stored step: the beads move with constant velocities. If the run gave up, there are no
+        # samples after its last step.
         state, done, rows = found.end, int(self._log.counter[SAMPLE]), self.times.size
         if found.status.gave_up:
             rows = max(done, int(np.searchsorted(self.times, state.time, side="right")))

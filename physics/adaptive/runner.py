@@ -72,17 +72,21 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-# Steps (including rejected ones) after which a kernel returns to Python, so that Python can handle signals
+# Number of steps after which a kernel returns to Python, so that Python can handle signals. Rejected steps count as
+# well.
 PAUSE = 20_000
-# The same limit as PAUSE in plain Python, so that a run switches to machine code as soon as it is available
+# The same number as PAUSE for kernels in plain Python. It is small, so a run can soon switch to compiled kernels.
 PLAIN_PAUSE = 50
-PLAIN_COST = 3.0  # Cost of an adaptive step in plain Python, in fixed steps
-LONGEST_REUSED = 1000  # Largest number of contacts of a chain whose memory a thread keeps for its next run
+PLAIN_COST = 3.0  # Cost of an adaptive step in plain Python, in units of the cost of a fixed step
+LONGEST_REUSED = 1000  # Largest chain, in contacts, whose working memory a thread keeps for its next run
 
 
 @dataclass
 class Memory:
-    """Memory of the kernels in addition to the state. It is created once for a run, or once for all frames of live use."""
+    """Working memory of the kernels, in addition to the state of the chain.
+
+    It is created once for a whole run, or once for all frames of live use.
+    """
 
     mode: NDArray[np.int8]
     held: NDArray[np.int8]
@@ -90,36 +94,37 @@ class Memory:
     look: Trial
     scratch: Scratch
     log: SwitchLog
-    spare: list[Steps]  # blocks of stored steps for reuse, see `KeptSteps`
-    waited: float = 0.0  # time [s] that the last run waited for compiled kernels
-    # Live use: time [s] and error [m/s] of the state after the last frame, and the largest speed scale of all frames
-    # [m/s].
+    spare: list[Steps]  # Blocks of stored steps that can be reused, see `KeptSteps`
+    waited: float = 0.0  # Time [s] that the last run spent waiting for compiled kernels
+    # For live use: time [s] of the last frame, estimated error [m/s] after it, and largest speed scale [m/s] of all
+    # frames.
     reached: tuple[float, float] = (math.nan, math.nan)
     scale: float = 0.0
 
     @classmethod
     def of(cls, contacts: int, log_size: int) -> Memory:
-        """Return the memory for a chain with `contacts`."""
+        """Return the memory for a chain with this number of `contacts`."""
         mode, held = np.zeros((2, contacts), dtype=np.int8)
         trial, look = empty_trial(contacts), empty_trial(contacts)
         return cls(mode, held, trial, look, empty_scratch(contacts), empty_log(contacts, log_size), [])
 
 
 class _LastRun(threading.local):
-    """Memory of the last run of a thread, reused by its next run with the same number of contacts.
+    """Working memory of the last run in a thread. The next run with the same number of contacts reuses it.
 
-    New memory costs as much as some steps.
+    Allocating new memory costs as much as several steps.
     """
 
-    memory: Memory | None = None  # None while a run uses it
+    memory: Memory | None = None  # None while a run uses the memory
 
 
 _last_run = _LastRun()
 
 
 def sampled(record: Record, times: Array) -> Record:
-    """Return the record with its samples. Repeat the run if it ended before the last sample, or did not store its
-    steps.
+    """Return the record with its samples.
+
+    The run is repeated if it ended before the last sample, or if it did not store its steps.
     """
     kept = record.kept
     if not isinstance(kept, KeptSteps):
@@ -129,19 +134,19 @@ def sampled(record: Record, times: Array) -> Record:
     late = not isinstance(kept.problem.samples, int) and times.size > 0 and times[-1] > record.end.time
     if kept.known or not (kept.overflows or late):
         return kept.record(record, times)
-    # Repeat the run with known sample times, up to the last of them.
+    # Repeat the run. The sample times are known now, and the run extends to the last one.
     end = max(record.end.time, float(times[-1])) if times.size else record.end.time
     again = one_run(replace(kept.problem, duration=end - kept.problem.state.time, samples=times))
     return record.with_samples(sampled(again, times).samples)
 
 
 def advance(problem: Problem) -> Status:
-    """Move ``problem.state`` forward by the duration in place. The memory of the kernels stays with the state."""
+    """Move ``problem.state`` forward by the duration, in place. The working memory is stored in the state."""
     state = problem.state
     memory = state.work.get("adaptive")
     if memory is None:
         memory = state.work["adaptive"] = Memory.of(problem.chain.contacts, FRAME_LOG)
-    # The estimate of the last frame continues unless the state was changed meanwhile.
+    # Continue the error estimate of the last frame unless the state was changed since then.
     _carry_estimate(state, memory)
     before = rounding_in(problem.chain, problem.velocity)
     status, state.time = _integrate(problem, state, memory)
@@ -151,22 +156,24 @@ def advance(problem: Problem) -> Status:
 
 
 def _carry_estimate(state: State, memory: Memory) -> None:
-    """Continue the error estimate of the previous frame. A state that was copied or edited begins a new estimate with
-    its own error.
+    """Continue the error estimate of the previous frame.
+
+    If the state was copied or edited since then, start a new estimate from the error stored in the state.
     """
     control = memory.scratch.control
     control[CONTINUES] = float(memory.reached == (state.time, state.velocity_error))
-    # A new estimate starts with the error that the state has, converted to a sum of squared local errors.
+    # A new estimate starts with the error stored in the state, converted to a sum of squared local errors.
     if not control[CONTINUES]:
         control[CARRIED_SQUARE] = (state.velocity_error / DOUBT) ** 2 if math.isfinite(state.velocity_error) else 0.0
         memory.scale = 0.0
 
 
 def _update_estimate(problem: Problem, memory: Memory, before: float) -> None:
-    """Put the error after the frame into the state; `before` is the round-off [m/s] at its start.
+    """Store the estimated error after the frame in the state. `before` is the round-off [m/s] at the start of the
+    frame.
 
-    The local errors of all frames add up as in a single run, and grow by all bounces since the estimate began. Energy
-    and momentum bound the error. An unknown error (NaN) stays unknown.
+    The local errors of all frames add up, as in a single run. All bounces since the start of the estimate amplify them.
+    Conservation of energy and momentum limits the error. If the error is unknown (NaN), it stays unknown.
     """
     state, control, counter = problem.state, memory.scratch.control, memory.log.counter
     velocity = state.velocity(problem.chain)
@@ -176,7 +183,7 @@ def _update_estimate(problem: Problem, memory: Memory, before: float) -> None:
     growth = error_growth(control[GROWTH] + control[ENDING], memory.scratch.grown, memory.scratch.turns)
     error = float(estimated_error(growth, control[LOCAL_SQUARE], problem.chain.contacts, rounding))
     memory.scale = max(memory.scale, problem.scale, float(np.ptp(velocity)))
-    # No larger error than energy and momentum allow.
+    # Energy and momentum limit the error.
     if not is_possible(problem.chain, state, error):
         error = min(error, float(largest_error(problem.chain, state, state).max()))
     state.velocity_error = error if math.isfinite(state.velocity_error) else math.nan
@@ -194,17 +201,17 @@ def _estimate_warning(problem: Problem, error: float) -> CodedWarning:
 
 
 def _note_switches(state: State, log: SwitchLog) -> None:
-    """Add the switches of a frame to the state. The log and the state must agree about which contacts are closed.
+    """Add the contacts that opened or closed in this frame to the state.
 
-    The next frame begins with the contacts that the state shows as closed; a contact at d = 0 that does not push yet is
-    not among them.
+    The log and the state must agree about which contacts are closed. The next frame starts with the contacts that are
+    closed in the state. A contact at overlap 0 without force is open.
     """
     contact, time = kept_switches(log)
     more = int(log.counter[SWITCH]) - contact.size
     # Correct each contact whose log differs from the state at the end of the frame.
     for i in np.flatnonzero(log.closed != state.closed):
         last = np.flatnonzero(contact == i)[-1:]
-        if last.size and time[last[0]] == state.time:  # the contact closes at the start of the next frame
+        if last.size and time[last[0]] == state.time:  # The contact closes at the start of the next frame.
             contact, time = np.delete(contact, last), np.delete(time, last)
         else:
             contact, time = np.append(contact, i), np.append(time, state.time)
@@ -212,8 +219,8 @@ def _note_switches(state: State, log: SwitchLog) -> None:
 
 
 def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
-    """Run the kernel once; samples are computed later. Repeat the run with a larger log of switches if the log was too
-    small.
+    """Run the kernel once, without computing samples. If the log of contact switches was too small, run again with a
+    larger log.
     """
     state = problem.state.copy()
     contacts, memory, _last_run.memory = problem.chain.contacts, _last_run.memory, None
@@ -242,15 +249,16 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
     rounding = max(rounding_in(problem.chain, record.velocity), rounding_in(problem.chain, problem.velocity))
     error = estimated_error(growth, control[LOCAL_SQUARE], counter[STEP] + contacts, rounding)
     record.velocity_error = np.full(contacts + 1, error)
-    # Keep the memory for the next run of this thread, unless it is large.
+    # Keep the working memory for the next run of this thread, unless it is large.
     _last_run.memory = memory if contacts <= LONGEST_REUSED else None
     return record
 
 
 def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps | None = None) -> Any:
-    """Run the kernel on `state`, and return its status and the time reached.
+    """Run the kernel on `state`. Return its status and the time that it reached.
 
-    In live use (`kept` is None) it uses the compiled kernels if they are available, and plain Python otherwise.
+    If `kept` is None, the call belongs to live use. It then uses the compiled kernels only if they are available
+    already, and plain Python otherwise.
     """
     data, regime = chain_and_regime(problem.chain, state)
     memory.log.counter[:] = 0
@@ -262,17 +270,17 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
     motion = tuple(motion_record(state, memory.mode, memory.held))
     records: Any = data, regime, motion, tuple(memory.trial), tuple(memory.look), tuple(memory.scratch)
     scratch, tiers, accuracy = memory.scratch, KERNELS, (ALLOWED[problem.method], problem.tolerance, problem.scale)
-    # The kernel returns after some steps, so that Python can handle signals, enlarge the log, and switch to compiled
+    # The kernel pauses regularly. During a pause, Python handles signals, enlarges the log, and switches to compiled
     # kernels.
     while code == PAUSED:
-        memory.log = with_free_rows(memory.log) if kept else memory.log  # the log of a frame keeps its length
+        memory.log = with_free_rows(memory.log) if kept else memory.log  # The log of a live frame keeps its length.
         most_now = min(PAUSE, memory.log.contact.size // ROWS_A_STEP or PAUSE) if kept else PAUSE
         work = PLAIN_COST * PLAIN_PAUSE * problem.chain.contacts
         asked = perf_counter()
         kernel: Any = tiers.of(integrate, work) if kept else tiers.of_frame(integrate)
         memory.waited += perf_counter() - asked
         compiled = kernel is integrate
-        # In plain Python the pause comes early, so that the run switches to machine code soon.
+        # In plain Python the pause comes early, so the run can soon switch to machine code.
         pause = int(counter[STEP] + counter[REJECTED]) + (most_now if compiled else min(most_now, PLAIN_PAUSE))
         if kept and not compiled:
             tiers.spent += work
@@ -281,7 +289,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
             (time, end, stop, budget.steps), (resumed, pause), accuracy, *records, tuple(steps), tuple(memory.log)
         )
         resumed = True
-        # Continue if the budget has grown, but not if a motion that amplifies errors has become too expensive.
+        # Continue if the step budget has grown. Stop if the motion amplifies errors and has become too expensive.
         if code in (OUT_OF_STEPS, PAUSED):
             amplified = error_growth(scratch.control[GROWTH], scratch.grown, scratch.turns) > MOST_GROWN
             spent, impacts = int(counter[STEP] + counter[REJECTED]), int(scratch.control[IMPACTS])
@@ -292,7 +300,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
         require_finite_motion(problem.chain, state)
         if kept:
             kept.take(memory.log)
-    # Inside the kernel overlaps count from the origins of segments; the state counts them from touching.
+    # The kernel measures overlaps from the origins of segments. The state measures them from the touching position.
     if problem.chain.has_segments:
         complete = Regime(*regime, ChainData(*data).graph)  # type: ignore[call-arg]
         plain(count_from_touch)(state.overlap, complete)
@@ -300,7 +308,7 @@ def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps |
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:
-    """Return the warnings for a run that gave up or whose log was too small."""
+    """Return the warnings for a run that gave up, or whose log of contact switches was too small."""
     found = []
     if status.gave_up:
         steps = int(log.counter[STEP] + log.counter[REJECTED])

@@ -1,5 +1,6 @@
-"""Step budget of an adaptive run. A motion that needs more steps is chattering, and following each bounce adds no
-accuracy.
+"""Step budget of an adaptive run.
+
+If a motion needs more steps, its contacts chatter. Following each single bounce would not improve the accuracy.
 """
 
 from __future__ import annotations
@@ -10,45 +11,50 @@ from softcradle.physics.adaptive.step_records import ALLOWED, DOP853, ERROR_EXPO
 from softcradle.physics.problem import MOST_STEPS, Problem
 from softcradle.physics.scales import scales_at
 
-# Budget of a short chain: steps (including rejected ones) times contacts. It takes about 0.1 s.
+# Budget of a short chain: number of steps times number of contacts. Rejected steps count. This budget takes about 0.1
+# s.
 CONTACT_STEPS = 120_000
-# Additional steps for each contact, because waves pass through long chains one contact after another
+# Additional steps for each contact of a chain. A wave passes through a long chain from contact to contact.
 STEPS_A_CONTACT = 60
-STEPS_A_CONTACT_TIME = 400  # Additional steps for each longest contact time within the duration
-# Largest number of these, some seconds of computing. The method `conserving` finishes motions with more bounces.
+STEPS_A_CONTACT_TIME = 400  # Additional steps for each contact time (the longest of the chain) in the duration
+# Largest number of additional steps because of the duration. They take some seconds. If a motion has more bounces, the
+# method `conserving` finishes it.
 MOST_LASTING = 1e6
-# Additional steps for each impact at full speed (see FULL_SPEED), at USUAL_TOLERANCE and for motions with small error
-# amplification. Hard spheres (computing pi by counting collisions) need 10 to 40 steps each with dop853. radau needs
-# hundreds if the spheres are much faster than the speed scale.
+# Additional steps for each impact at full speed (see FULL_SPEED). The number applies to USUAL_TOLERANCE and to motions
+# with small error amplification. Hard spheres (computing pi by counting collisions) need 10 to 40 steps per impact with
+# dop853. radau needs hundreds if the spheres are much faster than the speed scale.
 STEPS_AN_IMPACT = 500
-# Largest number of these steps, about ten seconds for a short chain
+# Largest number of additional steps because of impacts. They take about ten seconds for a short chain.
 MOST_FOLLOWED = 5_000_000
-# Largest number of contact forces evaluated in a run whose errors are amplified, about three seconds. Rows of hundreds
-# of gears with gaps chatter, and each of their steps ends at an event, which takes ten times the usual evaluations.
+# Largest number of contact forces evaluated in a run whose errors are amplified. They take about three seconds. Trains
+# of hundreds of draft gears with gaps chatter: each of their steps ends at an event, which takes ten times the usual
+# evaluations.
 MOST_FORCES = 2e8
-# Predicted steps above which a run with a duration ends early, as a multiple of its largest budget. Such a budget would
-# end long before the motion, so it is better to let `conserving` follow the motion from now on.
+# Ratio of the predicted steps to the largest budget above which a run with a duration ends early. Its budget would end
+# long before the motion. Therefore the method `conserving` takes over immediately.
 MOST_PREDICTED = 3.0
-LONGER = 1.1  # Smallest growth of the budget during a run that is worth another call of the kernel
-USUAL_TOLERANCE = 1e-8  # Tolerance below which the budget grows in proportion to the expected number of steps
+# Smallest factor by which the budget must grow. With a smaller growth, another call of the kernel would not pay.
+LONGER = 1.1
+# Tolerance below which the step budget grows. It grows in proportion to the expected number of steps.
+USUAL_TOLERANCE = 1e-8
 
 
 def usual_budget(contacts: int, tolerance: float) -> int:
-    """Return the step budget of a motion without a duration."""
+    """Return the step budget for a motion that has no fixed duration."""
     budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16)
     return int(min(budget * _finer(tolerance), MOST_STEPS))
 
 
 def _finer(tolerance: float) -> float:
-    """Return the expected number of steps relative to that at USUAL_TOLERANCE."""
+    """Return the expected number of steps, divided by the expected number at USUAL_TOLERANCE."""
     return float(max(USUAL_TOLERANCE / tolerance, 1.0) ** ERROR_EXPONENT[RADAU])
 
 
 def _lasting(problem: Problem, time: float) -> int:
-    """Return the additional steps of a motion with a duration that has lasted until `time` [s].
+    """Return the additional steps for a motion of fixed duration that has reached `time` [s].
 
-    This is enough for contacts that are struck again and again at the speed ``problem.scale``, up to a total of
-    MOST_LASTING steps.
+    They suffice for contacts that are struck repeatedly at the speed ``problem.scale``. The result is at most
+    MOST_LASTING.
     """
     if problem.duration is None or time == problem.state.time:
         return 0
@@ -58,16 +64,18 @@ def _lasting(problem: Problem, time: float) -> int:
 
 
 def usual_steps(problem: Problem, time: float) -> int:
-    """Return the usual step budget of a run until `time` [s]. It is granted again after each breakpoint of the forces
-    over time.
+    """Return the usual step budget of a run up to `time` [s].
+
+    The run gets the same budget again after each breakpoint of the forces over time.
     """
     budget = usual_budget(problem.chain.contacts, problem.tolerance) * (1 + len(problem.chain.knots))
     return budget + _lasting(problem, time)
 
 
 def followed_steps(problem: Problem, impacts: int) -> int:
-    """Return the steps that are allowed beyond the usual budget after `impacts` impacts at full speed; 0 for a frame of
-    live use.
+    """Return the steps that are allowed beyond the usual budget after `impacts` impacts at full speed.
+
+    A frame of live use gets no additional steps.
     """
     if problem.most_steps is not None:
         return 0
@@ -75,10 +83,13 @@ def followed_steps(problem: Problem, impacts: int) -> int:
 
 
 def step_budget(problem: Problem, time: float) -> int:
-    """Return the number of steps by `time` [s], including rejected ones, after which a run gives up."""
+    """Return the step budget of a run up to `time` [s]. When a run has used its budget, it gives up. Rejected steps
+    count.
+    """
     if problem.most_steps is not None:
         return problem.most_steps
-    if ALLOWED[problem.method] == DOP853:  # as the only method it follows every oscillation of soft contacts
+    # dop853 follows every oscillation of soft contacts, the other methods do not.
+    if ALLOWED[problem.method] == DOP853:
         return MOST_STEPS + _lasting(problem, time)
     if problem.budget is not None:
         return problem.budget
@@ -89,18 +100,19 @@ class GrowingBudget:
     """Step budget of one run. It grows with the time reached and with the number of impacts at full speed.
 
     Attributes:
-        steps: the present budget: number of steps, including rejected ones.
+        steps: the current budget, a number of steps. Rejected steps count.
     """
 
     def __init__(self, problem: Problem, time: float) -> None:
         self.problem, self.steps = problem, step_budget(problem, time)
-        self._extended: tuple[int, float] | None = None  # steps and time [s] of the run at the last extension
+        # Number of steps and time [s] at the last extension of the budget
+        self._extended: tuple[int, float] | None = None
 
     def extend(self, steps: int, time: float, impacts: int, amplified: bool) -> bool:
-        """Return True if a run that has used its budget of `steps` at `time` [s] may continue, with a larger budget.
+        """Extend the budget of a run that has used its `steps` at `time` [s]. Return True if the run may continue.
 
-        The budget at most doubles. The steps per time since the last extension then show if the run can reach its end.
-        If its errors are `amplified`, impacts at full speed do not add to the budget.
+        The budget at most doubles. The progress since the last extension shows if the run can reach its end. If the
+        motion has `amplified` its errors, impacts at full speed do not add to the budget.
         """
         allowed = step_budget(self.problem, time) + (0 if amplified else followed_steps(self.problem, impacts))
         left, futile = self.problem.end - time, False
@@ -113,5 +125,5 @@ class GrowingBudget:
         return True
 
     def exceeds_cost(self, forces: int, amplified: bool) -> bool:
-        """Return whether a run with amplified errors has evaluated too many contact `forces`."""
+        """Return True if a run with `amplified` errors has evaluated too many contact `forces`."""
         return amplified and self.problem.most_steps is None and forces > MOST_FORCES

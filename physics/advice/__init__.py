@@ -1,1 +1,1 @@
-"""Advice on a run: the choice of the method, limits of its time step, and warnings about unusual input."""
+"""Advice on a simulation: choice of the method, limits of the time step, and warnings about unusual input."""

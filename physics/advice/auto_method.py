@@ -1,7 +1,7 @@
-"""Method "auto": choose a method with its step or tolerance from the chain and the wanted error, and give the reason.
+"""Method "auto": choose a method and its step or tolerance for a chain and a wanted error. Give the reason.
 
-The same chain and error give the same choice on every machine, so the results are bitwise reproducible. The window uses
-the same step.
+The choice depends only on the chain and the error, not on the machine. Results are therefore bitwise reproducible. The
+desktop window uses the same step.
 
     wanted error >= 1e-3, one collision of known       conserving, 64 steps per shortest contact time at an error
     duration, and few enough steps                     of 1e-3, otherwise scaled as 1/sqrt(error)
@@ -10,8 +10,8 @@ the same step.
     all other cases                                    accurate
 
 The error is the largest error of a final velocity, relative to the closing speed. The tests in tests/physics/advice/
-allow three times the wanted error. They cover the cases of the chart, chains of other masses and laws, critical speeds,
-friction and loss.
+accept three times the wanted error. They cover the cases of the table above, chains with other masses and contact laws,
+critical speeds, friction and loss.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.scales import scales_at, shortest_contact, speed_scale
 
-# Wanted error of final velocities, relative to the closing speed, from which a single collision uses fixed steps. It is
+# Smallest wanted error for which a single collision uses fixed steps, relative to the closing speed. It corresponds to
 # about one pixel of a plot.
 LIVE_ERROR = 1e-3
-# Steps of `conserving` per shortest contact time. They keep the error below LIVE_ERROR, and the error falls as their
-# square.
+# Steps of `conserving` per shortest contact time. They keep the error below LIVE_ERROR. The error falls with the square
+# of the number of steps.
 LIVE_STEPS = 64
-# Largest number of steps of `conserving` per contact in a collision. More steps would take several times the
-# evaluations of `accurate`.
+# Largest number of steps of `conserving` per contact in a collision. With more steps, `conserving` would need several
+# times the evaluations of `accurate`.
 MOST_LIVE_STEPS = 500
-FINEST = 1e-13  # Smallest tolerance that double precision allows.
-# Tolerance of radau near a critical speed. With a larger one, its steps are so long that they miss a contact that
+FINEST = 1e-13  # Smallest tolerance that is possible in double precision.
+# Tolerance of radau near a critical speed. With a larger tolerance, the steps are so long that they miss a contact that
 # yields briefly.
 NEAR_CRITICAL = 1e-7
 LEAST_RATIO = 0.9  # Ratio of the speed to a critical speed below which no contact inside a cluster yields.
@@ -60,8 +60,9 @@ class Choice:
 
 
 def choose(chain: Chain, velocity: ArrayLike, duration: float | None, error: float) -> Choice:
-    """Return the method for a wanted `error`, relative to the closing speed, on `chain` with start velocities (n+1,)
-    [m/s].
+    """Choose the method that simulates `chain` with a wanted `error`, relative to the closing speed.
+
+    `velocity` (n+1,) contains the start velocities [m/s].
     """
     if chain.piecewise:
         return _adaptive("accurate", error, error, "couplers close, yield and pull at events that it ends its steps at")
@@ -89,10 +90,10 @@ def _adaptive(method: str, tolerance: float, error: float, why: str) -> Choice:
 
 
 def conserving_step(chain: Chain, speed: float, error: float = LIVE_ERROR, start: ArrayLike | None = None) -> float:
-    """Return the time step [s] with which `conserving` should keep within `error` in one collision at the closing speed
-    `speed` [m/s].
+    """Return the time step [s] for the method `conserving` in one collision at the closing speed `speed` [m/s].
 
-    `start` has the same meaning as in :func:`softcradle.physics.scales.shortest_contact`.
+    With this step the velocity errors should stay below `error`, relative to the closing speed. `start` has the same
+    meaning as in :func:`softcradle.physics.scales.shortest_contact`.
     """
     return shortest_contact(chain, speed, start) / LIVE_STEPS * math.sqrt(error / LIVE_ERROR)
 
@@ -103,7 +104,9 @@ def _collision_time(chain: Chain, speed: float, duration: float | None) -> float
 
 
 def _why_not_fixed(single: bool, duration: float | None, error: float) -> str:
-    """Return the reason against a fixed step, as the end of a sentence. `single` is True for a single collision."""
+    """Return the reason why a fixed step is not suitable, as the end of a sentence. `single` is True for a single
+    collision.
+    """
     if error < LIVE_ERROR:
         return f"below {LIVE_ERROR:g} its steps are fewer than fixed ones"
     if duration is None:
@@ -114,7 +117,7 @@ def _why_not_fixed(single: bool, duration: float | None, error: float) -> str:
 
 
 def is_single_collision(chain: Chain) -> bool:
-    """Return True if the beads touch at the start and no drive, friction, loss or wall acts on them.
+    """Return True if the beads touch at the start and are free of drive, friction, loss and walls.
 
     Otherwise the beads can collide again, and a second collision multiplies the errors of the first.
     """
@@ -122,13 +125,13 @@ def is_single_collision(chain: Chain) -> bool:
 
 
 def nearly_yields(chain: Chain, velocity: ArrayLike) -> bool:
-    """Return True if a preloaded contact inside a cluster comes so close to its preload that it may yield only for a
-    moment.
+    """Return True if a preloaded contact inside a cluster may yield for a moment, because its force comes close to its
+    preload.
 
     The struck contact s pushes with at most ``sqrt(F_s**2 + K_s mu v**2)``. F is the preload, K the stiffness, mu the
-    reduced mass of the two sides and v the closing speed. Contact i inside a cluster transmits the share r_i of
-    this force (:func:`softcradle.physics.chain.mass_shares`). It yields above the critical speed, at which this share
-    equals F_i.
+    reduced mass of the two sides and v the closing speed. Contact i inside a cluster transmits the share r_i of this
+    force (:func:`softcradle.physics.chain.mass_shares`). At the critical speed, this share equals F_i. Above this speed
+    the contact yields.
     """
     preload, stiffness, _ = chain.law_rows.T
     speed = -np.diff(np.asarray(velocity, dtype=np.float64))

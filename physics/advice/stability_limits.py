@@ -1,6 +1,4 @@
-"""Limits of fixed time steps on a chain: the longest stable step of explicit methods, and warnings about steps beyond a
-limit.
-"""
+"""Limits of fixed time steps: the longest stable step of explicit methods, and warnings about steps that are too long."""
 
 from __future__ import annotations
 
@@ -19,31 +17,31 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 Array = NDArray[np.float64]
 
 TRUSTED_ERROR = 1e-2  # Expected error, relative to the closing speed, above which a step gives a warning.
-# Smallest number of steps of `conserving` in the shortest contact time. With five steps the velocities have errors of 1
-# %.
+# Smallest number of steps of `conserving` in the shortest contact time. With five steps the velocity errors reach 1 %.
 LEAST_STEPS = 6
-# Largest number of halvings of the time to the largest overlap in the search for a step. Shorter steps do not matter.
+# Largest number of halvings in the search for a step, which starts with the time to the largest overlap. Shorter steps
+# do not matter.
 MOST_HALVINGS = 200
-# Number of steps. Two switches of a contact within them count as chatter, because a real bounce takes longer.
+# Number of steps between two switches of a contact that count as chatter. A real bounce takes longer.
 CHATTER_STEPS = 8
-MOST_RETURNS = 6  # Number of repeated closings in a run without a warning; see `returning_warnings`.
-MOST_CHATTER = 10  # Number of switches by chatter in a run without a warning.
+MOST_RETURNS = 6  # Largest number of repeated closings in a run without a warning; see `returning_warnings`.
+MOST_CHATTER = 10  # Largest number of chattering switches in a run without a warning.
 
 
 def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float:
     """Estimate the longest step [s] at which euler, verlet and yoshida4 stay within `error` of the closing speed.
 
-    For an exponent a < 1, a strict stability limit of explicit steps h does not exist: h² L a K d**(a-1) exceeds 4 at
-    small overlaps d, where the contact chatters. L is the inverse reduced mass of the two beads, K the stiffness, F the
-    preload and v the closing speed. The shortest of four steps is returned::
+    Let h be the step, d the overlap, a the exponent, K the stiffness, F the preload and v the closing speed. L is the
+    inverse reduced mass of the two beads. A strict stability limit of explicit steps does not exist for a < 1: at small
+    overlaps h² L a K d**(a-1) exceeds 4, and the contact chatters. The function returns the shortest of four steps::
 
         stiffness  h = 2 / sqrt(2 L a K d**(a-1)) at the largest overlap, for a >= 1
         chatter    the same at the overlap whose energy gives the velocity `error`, for a < 1
         onset      the impulse of the step after the touch, h L K (v h)**a, equals `error`
         preload    the impulse of a step, h L F, equals `error`
 
-    The estimate is correct within a factor of a few. It holds for errors of velocities, not of small overlaps deep
-    inside a cluster. The errors of successive collisions add up.
+    The estimate is correct within a small factor. It refers to errors of velocities, not to errors of small overlaps
+    deep inside a cluster. The errors of successive collisions add up.
 
     Parameters
     ----------
@@ -72,8 +70,9 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
 
 
 def _longest_step(chain: Chain, speed: float, small: float) -> float:
-    """Return the shortest of the four steps [s] for contacts struck at `speed`, with an allowed velocity error `small`
-    [m/s].
+    """Return the shortest of the four steps [s] of :func:`stable_step` for contacts that are struck at `speed` [m/s].
+
+    `small` [m/s] is the allowed velocity error.
     """
     preload, stiffness, exponent = chain.law_rows.T
     weight, depth = chain.inverse_reduced_mass, scales_at(chain, speed)[0]
@@ -93,11 +92,10 @@ def _longest_step(chain: Chain, speed: float, small: float) -> float:
 
 
 def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: float) -> tuple[float, float]:
-    """Return the bounds by stiffness or chatter, and by onset, for a contact with a user-defined law, computed from its
-    force.
+    """Return two limits of the step [s] for a contact with a user-defined law: by stiffness or chatter, and by onset.
 
-    The slope is evaluated at the largest overlap and at the overlap whose energy gives the velocity `small`; the larger
-    one counts.
+    They follow from the force of the law. Its slope is evaluated at the largest overlap, and at the overlap whose
+    energy corresponds to the velocity `small`. The larger slope is used.
     """
     chatter = law.depth(0.5 * small**2 / weight)
     stiffness = max(law.slope(depth), law.slope(chatter))
@@ -116,7 +114,7 @@ def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: fl
 
 
 def explicit_warnings(problem: Problem, record: Record) -> Warnings:
-    """Return warnings if the step of an explicit method is too long for `problem`, or if its contacts chatter."""
+    """Return warnings if an explicit method has a step that is too long for `problem`, or if the contacts chatter."""
     found = []
     limit = stable_step(problem.chain, problem.velocity, TRUSTED_ERROR)
     if problem.step > limit:
@@ -136,12 +134,12 @@ def explicit_warnings(problem: Problem, record: Record) -> Warnings:
 
 
 def returning_warnings(problem: Problem, record: Record) -> Warnings:
-    """Return a warning if contacts close again so often that each collision multiplies the errors of fixed steps too
-    much.
+    """Return a warning if contacts close again so often that the errors of fixed steps may have become large.
 
-    In ``python -m benchmarks conserving --errors`` with 480 random chains, four runs have errors above 1e-3 of the
-    closing speed at the default step, and four at four times that step. Seven of these eight runs have the warning, and
-    so do 29 other runs. Chains with friction or loss are excluded, because there errors decay together with the motion.
+    Each collision multiplies the errors of the previous ones. The limit was measured with 480 random chains (``python
+    -m benchmarks conserving --errors``). Four runs have errors above 1e-3 of the closing speed at the default step, and
+    four at four times the default step. Seven of these eight runs have the warning, and so do 29 other runs. Chains
+    with friction or loss are excluded, because their errors decay together with the motion.
     """
     again = int(np.maximum(np.bincount(record.switch_contact) - 2, 0).sum()) // 2
     if again <= MOST_RETURNS or problem.chain.dissipative or problem.chain.piecewise:
@@ -167,7 +165,9 @@ def coarse_warnings(problem: Problem) -> Warnings:
 
 
 def short_switches(record: Record, span: float) -> int:
-    """Return the number of switches that follow the previous switch of the same contact within `span` [s]."""
+    """Return the number of contact switches that come less than `span` [s] after the previous switch of the same
+    contact.
+    """
     order = np.argsort(record.switch_contact, kind="stable")
     contact, time = record.switch_contact[order], record.switch_time[order]
     return int(np.count_nonzero((np.diff(contact) == 0) & (np.diff(time) < span)))

@@ -11,17 +11,18 @@ from softcradle.physics.chain import Chain, per_chain
 from softcradle.physics.scales import NO_APPROACH, contact_scales
 from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 
-# Largest usual tolerance, relative to the closing speed. A larger one leaves the velocities undetermined.
+# Largest usual tolerance, relative to the closing speed. With a larger tolerance the velocities are arbitrary.
 LARGEST_TOLERANCE = 0.1
-# Smallest usual overlap, relative to the precompression. With less, the spring of the gear does not matter for the
-# motion.
+# Smallest usual overlap, relative to the precompression. If the overlap is smaller, the spring of the draft gear does
+# not affect the motion.
 LEAST_YIELD = 1e-3
-LARGEST_FRICTION = 5.0  # Largest usual coefficient of friction. Rubber on concrete has about 1.
+LARGEST_FRICTION = 5.0  # Largest usual coefficient of friction. Rubber on concrete has a coefficient of about 1.
 
 
 def unusual_warnings(chain: Chain, velocity: ArrayLike, tolerance: float) -> Warnings:
-    """Return warnings if the tolerance (0 for fixed steps), a precompression or the friction of `chain` is outside the
-    usual range. Also warn about user-defined laws with a falling force.
+    """Return warnings about unusual values of the tolerance, the precompressions and the friction of `chain`.
+
+    Also warn about user-defined laws with a falling force. A tolerance of 0 means fixed steps.
     """
     found = (*_of_tolerance(tolerance), *_of_gears(chain, velocity), *_of_friction(chain.friction))
     return (*found, *_of_own_laws(chain, velocity))
@@ -37,7 +38,7 @@ def _of_tolerance(tolerance: float) -> Warnings:
 
 
 def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
-    """Return a warning for the draft gear that yields least, if it hardly yields."""
+    """Return a warning if a draft gear hardly yields. It names the gear that yields least."""
     usual = _usual_speed_of_gears(chain)
     speeds = np.asarray(velocity).tolist() if usual else [0.0]
     if not 0.0 < max(speeds) - min(speeds) < usual:
@@ -62,11 +63,13 @@ def _is_gear(law: Sequence[float]) -> bool:
 
 @per_chain
 def _usual_speed_of_gears(chain: Chain) -> float:
-    """Return the closing speed [m/s] from which every draft gear yields by a usual share of its precompression; 0
-    without gears.
+    """Return the closing speed [m/s] above which every draft gear yields by at least the share LEAST_YIELD of its
+    precompression.
+
+    The result is 0 without draft gears.
     """
     contacts = zip(chain.law_rows.tolist(), chain.inverse_reduced_mass.tolist(), strict=True)
-    # squares of the speeds whose kinetic energy is preload times overlap
+    # Squares of the speeds at which the kinetic energy equals preload times overlap
     squares = [2.0 * weight * law[0] * (LEAST_YIELD * law[0] / law[1]) for law, weight in contacts if _is_gear(law)]
     return math.sqrt(max(squares, default=0.0)) * (1.0 + NO_APPROACH)
 
