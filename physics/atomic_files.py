@@ -1,4 +1,7 @@
-"""Files and folders that are written whole or not at all: under a temporary name first, then moved into place."""
+"""Files and folders that are written either completely or not at all.
+
+They are created under a temporary name and then moved to their final place.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,8 @@ from pathlib import Path
 
 from softcradle.physics.messages import Message
 
-# Number of letters that a temporary name takes from the final one. With the whole name the path could be too long.
+# Number of letters of the final name that the temporary name contains. With the whole final name, the path could become
+# too long.
 TOLD = 16
 
 
@@ -21,9 +25,10 @@ TOLD = 16
 def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path with the suffix of `path`. Its file replaces `path` when the block ends without an error.
 
-    The temporary file exists and is empty when the block begins, so a folder without write permission is an error
-    before any work is done. Its name is unique: if several processes write to one path, the last to finish is kept. A
-    link stays, and its target is written. A pipe or a device stays as well: the whole file is written to it at the end.
+    The empty temporary file is created before the block begins. A missing write permission is therefore reported before
+    any work is done. The temporary name is unique. If several processes write to one path, the result of the last one
+    is kept. If `path` is a link, the target of the link is written. If `path` is a pipe or a device, the whole file is
+    written to it at the end.
 
     Raises:
         OSError: `path` is a folder, or its folder is missing or not writable; the message is one sentence.
@@ -34,7 +39,7 @@ def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     if os.path.exists(target) and not os.path.isfile(target):
         yield from _written_through(target)
         return
-    # Write next to the final place, because moving is atomic only within one file system.
+    # Write next to the final place, because a move is atomic only within one file system.
     place = followed(target)
     temporary = _made_beside(place, target, partial(Path.touch, exist_ok=False))
     try:
@@ -58,9 +63,9 @@ def _written_through(target: Path) -> Iterator[Path]:
 
 @contextmanager
 def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Iterator[Path]:
-    """Yield an empty temporary folder that becomes `path` when the block ends without an error.
+    """Yield an empty temporary folder. It is renamed to `path` when the block ends without an error.
 
-    If it `replaces` a folder, that folder stays until the new one is complete.
+    If `replaces` is True, an existing folder at `path` is replaced when the new folder is complete.
 
     Raises:
         OSError: `path` exists and is not an empty folder, or must not be replaced, or its parent is not writable; the
@@ -81,12 +86,13 @@ def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Itera
 
 
 def _exchange(new: Path, place: Path, before: Path) -> None:
-    """Move a folder to its `place`. A folder there is moved to `before` first; if something fails, everything is
-    restored.
+    """Move the folder `new` to `place`. Move an existing folder from `place` to `before` first.
+
+    If a move fails, restore the previous state.
     """
     replaced = place.exists()
     if replaced:
-        place.rename(before)  # some systems do not move a folder onto another one, even if it is empty
+        place.rename(before)  # Some systems cannot move a folder onto an existing folder, even an empty one.
     # Restore the replaced folder if the new one cannot be moved.
     try:
         new.rename(place)
@@ -98,20 +104,23 @@ def _exchange(new: Path, place: Path, before: Path) -> None:
 
 
 def followed(target: Path) -> Path:
-    """Return the path, or the target of the path if it is a link. The target is written, and temporary files are put
-    next to it.
+    """Return the target of `target` if it is a link, otherwise `target` itself.
+
+    The result is the file to write. Temporary files are created next to it.
     """
     return Path(os.path.realpath(target)) if os.path.islink(target) else target
 
 
 def _made_beside(place: Path, target: Path, make: Callable[[Path], None]) -> Path:
-    """Create a temporary file or folder next to `place` with `make`, and return its path. Raise OSError with one
-    sentence on failure.
+    """Create a temporary file or folder next to `place` with `make`, and return its path.
+
+    On failure, raise OSError with a message of one sentence.
     """
     temporary = _hidden_sibling(target, place.parent)
     try:
         with suppress(FileNotFoundError):
-            place.lstat()  # raises an error if the file system does not accept the name, for example if it is too long
+            # This raises an error if the file system does not accept the name, for example if it is too long.
+            place.lstat()
         make(temporary)
     except OSError as error:
         raise _refusal(target, place, error) from None
@@ -119,18 +128,21 @@ def _made_beside(place: Path, target: Path, make: Callable[[Path], None]) -> Pat
 
 
 def _hidden_sibling(target: Path, folder: Path) -> Path:
-    """Return a unique name in the folder of `target`, because moving within one file system is atomic."""
+    """Return a unique temporary name in the folder of `target`.
+
+    The folder is the same because a move is atomic only within one file system.
+    """
     return folder / f".{target.stem[:TOLD]}.{secrets.token_hex(8)}.part{target.suffix}"
 
 
 def _refusal(target: Path, place: Path, error: OSError) -> OSError:
     folder = place.absolute().parent
-    # A missing folder has its own message.
+    # A missing folder gets its own error message.
     if not folder.is_dir():
         return FileNotFoundError(
             Message("no_folder", "cannot write {path}: the folder {folder} does not exist", path=target, folder=folder)
         )
-    if isinstance(error, FileNotFoundError):  # error of file systems such as /proc
+    if isinstance(error, FileNotFoundError):  # This error occurs in file systems such as /proc.
         return PermissionError(
             Message("unwritable", "cannot write {path}: nothing can be written to {folder}", path=target, folder=folder)
         )

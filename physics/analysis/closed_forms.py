@@ -1,4 +1,7 @@
-"""Closed forms for one contact, rigid clusters, and a very long linear chain. Tests compare the methods with them."""
+"""Closed-form results for one contact, for rigid clusters, and for a very long linear chain.
+
+Tests compare the numerical methods with them.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Stroke(NamedTuple):
-    """Closing and opening of one contact: largest overlap [m], contact time [s], peak force [N]."""
+    """Compression and release of one contact: largest overlap [m], contact time [s] and peak force [N]."""
 
     largest_overlap: float
     contact_time: float
@@ -29,11 +32,12 @@ def one_on_one(contact: Contact, reduced_mass: float, closing_speed: float) -> S
     preloaded spring       d + D = D cos wt + (v/w) sin wt,   w^2 = K / mu,   D = F / K,   T = (2/w) atan(v / (w D))
     step force             d_max = mu v^2 / (2 F),   T = 2 mu v / F
 
-    The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p. A contact with loss l unloads with 1 - l of its
-    force, which takes 1 / sqrt(1 - l) times as long as loading.
+    Here d is the overlap, mu the reduced mass, K the stiffness, a the exponent, F the preload and B the beta function.
+    The integral of dy / sqrt(1 - y^p) from 0 to 1 is B(1/p, 1/2) / p. A contact with loss l unloads with the fraction 1
+    - l of its force. Therefore unloading takes 1 / sqrt(1 - l) times as long as loading.
 
     Arguments:
-        contact: its law; with a preload, exponent 1 or stiffness 0.
+        contact: its law. A contact with a preload must have exponent 1 or stiffness 0.
         reduced_mass: mu = m1 m2 / (m1 + m2) [kg].
         closing_speed: v > 0 [m/s].
 
@@ -64,10 +68,10 @@ def rigid_masses(mass: ArrayLike, strikers: int) -> tuple[float, float]:
 
 
 def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array:
-    """Return the (N,) velocities after an elastic collision of two rigid bodies: the first `strikers` beads and the
-    others.
+    """Return the (N,) velocities after an elastic collision of two rigid bodies.
 
-    This is the limit alpha -> 0 of the power law, Eq. (2): ``(1-n)/(1+n)`` and ``2/(n+1)`` for one on n equal beads.
+    One body consists of the first `strikers` beads, the other one of all remaining beads. This is the limit alpha -> 0
+    of the power law, Eq. (2). For one bead on n equal beads the velocities are ``(1-n)/(1+n)`` and ``2/(n+1)``.
     """
     first, second = rigid_masses(mass, strikers)
     count = np.asarray(mass).size
@@ -76,22 +80,22 @@ def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array
 
 
 def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float = 1.0) -> Stroke:
-    """Return the stroke of the struck contact if each side is one rigid body: :func:`one_on_one` with their reduced
-    mass.
+    """Return the stroke of the struck contact if each side moves as one rigid body.
 
-    Exact for the step force, with contact time ``2n/(n+1) m v / f0`` for one on n, and for draft gears below the
-    critical speed. A side may contain a wall.
+    It is :func:`one_on_one` with the reduced mass of both sides. The result is exact for the step force, with contact
+    time ``2n/(n+1) m v / f0`` for one bead on n beads. It is also exact for draft gears below the critical speed. A
+    side may contain a wall.
     """
     first, second = rigid_masses(mass, strikers)
     return one_on_one(contact, 1.0 / (1.0 / first + 1.0 / second), speed)
 
 
 def long_linear_chain(mass: float = 1.0, stiffness: float = 1.0) -> tuple[float, float]:
-    """Return the final velocity (as a fraction of the initial one) and the contact time [s] of a striker of very many
-    linear beads.
+    """Return the final velocity of the striker of a very long linear chain, and its contact time [s].
 
-    ``v0(t) = J1(2wt) / (wt)``, w^2 = k/m. The force ``~ J2(2wt) / t`` first vanishes at 2wt = j_(2,1), where J1(x) /
-    (x/2) = J0(x). So the fraction is J0(j_(2,1)) = -0.1322795, after 2.56781 sqrt(m/k).
+    The velocity is given as a fraction of the initial velocity. It follows from ``v0(t) = J1(2wt) / (wt)`` with w^2 =
+    k/m. The contact force is proportional to ``J2(2wt) / t`` and first vanishes at 2wt = j_(2,1). At this zero, J1(x) /
+    (x/2) = J0(x). So the fraction is J0(j_(2,1)) = -0.1322795, and the contact time is 2.56781 sqrt(m/k).
     """
     zero = float(special.jn_zeros(2, 1)[0])
     return float(special.j0(zero)), 0.5 * zero * math.sqrt(mass / stiffness)
@@ -100,9 +104,10 @@ def long_linear_chain(mass: float = 1.0, stiffness: float = 1.0) -> tuple[float,
 def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
     """Return the largest speed [m/s] at which only the struck contact yields, so that both clusters stay exactly rigid.
 
-    A contact i inside a cluster that only touches carries the share r_i of the force f of the struck contact, Eq. (5).
-    The peak of f is ``sqrt(F^2 + K mu v^2)``. With the largest share r, the first contact reaches F at ``v_c = w D
-    sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2), D = F / K. The result is infinite for one on one.
+    A contact i inside a cluster that only touches transmits the share r_i of the force of the struck contact, Eq. (5).
+    The peak of this force is ``sqrt(F^2 + K mu v^2)``. Let r be the largest of these shares. The first inner contact
+    reaches its preload F at the speed ``v_c = w D sqrt(1/r^2 - 1)``, w^2 = K (1/M1 + 1/M2), D = F / K. The result is
+    infinite for one bead on one bead.
 
     Raises:
         ValueError: if the contact is not a preloaded spring (exponent 1, stiffness > 0).
@@ -118,22 +123,27 @@ def critical_speed(gear: Contact, mass: ArrayLike, strikers: int) -> float:
 
 
 def common_law(chain: Chain) -> Contact | None:
-    """Return the contact law of a chain with equal contacts; None for different contacts, couplers and user-defined
-    laws.
+    """Return the contact law of a chain whose contacts are all equal.
+
+    The result is None if contacts differ, or for couplers and user-defined laws.
     """
     law = chain.contact[0]
     return law if isinstance(law, Contact) and all(contact == law for contact in chain.contact) else None
 
 
 def meets_freely(chain: Chain, struck: int) -> bool:
-    """Return True if two clusters that just touch inside collide at contact `struck` without any external force."""
+    """Return True if two clusters collide at contact `struck` without external forces.
+
+    Inside each cluster, the beads must just touch at the start.
+    """
     inside = chain.gap[:struck] + chain.gap[struck + 1 :]
     return chain.gap[struck] >= 0.0 and not (any(inside) or chain.driven or chain.takes_momentum)
 
 
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:
-    """Return V/v_c of equal draft gears whose contact `struck` closes at `speed` [m/s]; None if there is no critical
-    speed.
+    """Return the ratio V/v_c of the closing speed to the critical speed for a chain of equal draft gears.
+
+    Contact `struck` closes at `speed` [m/s]. The result is None if the chain has no critical speed.
     """
     gear = common_law(chain)
     if gear is None or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:

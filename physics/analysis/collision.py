@@ -1,11 +1,12 @@
 """Measures of a collision: rigidity of the struck cluster, restitution, energy left inside, and a table of the
 contacts.
 
-The metadata of each field contain its title, unit and meaning.
+The measures are fields of dataclasses. The metadata of each field contains its title, unit and meaning.
 
-The beads before the struck contact are the strikers, the beads behind it the target cluster. *Detachment* is the last
-opening of the struck contact: "the detachment of the hitting particle", after which "the finite overlaps ... cause the
-velocity divergence among the cluster particles". A wall belongs to a side, but not to its cluster.
+The struck contact lies between the strikers on its left and the target cluster on its right. *Detachment* is the last
+opening of the struck contact. The paper writes "the detachment of the hitting particle", after which "the finite
+overlaps ... cause the velocity divergence among the cluster particles". A wall belongs to one side of the struck
+contact, but not to the cluster on this side.
 """
 
 from __future__ import annotations
@@ -38,19 +39,23 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-WITHIN_CONTACT = 31  # Least number of samples in each contact. With 31, the largest force is accurate to 0.1 %.
+# Smallest number of samples in each contact. With 31 samples, the largest force is accurate to 0.1 %.
+WITHIN_CONTACT = 31
 
 
 def _measure(title: str, unit: str, meaning: str, dissipative: bool = False) -> Any:
-    """Return a field of a table of measures, with its title, unit and meaning; `dissipative` measures need dissipation."""
+    """Return a dataclass field for one measure, with its title, unit and meaning.
+
+    A `dissipative` measure is only meaningful in a motion with dissipation.
+    """
     return field(metadata={"title": title, "unit": unit, "meaning": meaning, "dissipative": dissipative})
 
 
 @dataclass(frozen=True)
 class ContactMeasures:
-    """Measures of one contact; ``fields`` gives title, unit and meaning of each number as metadata.
+    """Measures of one contact. ``fields`` returns the title, unit and meaning of each number as metadata.
 
-    A mass that includes a wall is None, and so is its force per mass.
+    The accelerated mass is None if it includes a wall. The force per mass is then None as well.
     """
 
     peak_force: float = _measure("peak force", "N", "greatest force")
@@ -87,13 +92,14 @@ class ContactMeasures:
 
 @dataclass(frozen=True)
 class CollisionMeasures:
-    """Measures of one collision; ``fields`` gives title, unit and meaning of each number as metadata.
+    """Measures of one collision. ``fields`` returns the title, unit and meaning of each number as metadata.
 
-    A number is None if it does not exist: a ratio with a mean of 0, without detachment, or if one side is only a wall.
+    A number is None if it is not defined. Reasons are a division by a mean of 0, a collision without detachment, and a
+    side that consists only of a wall.
 
     Attributes:
-        struck: index of the contact where strikers meet targets.
-        final_velocity: of every bead.
+        struck: index of the contact between strikers and targets.
+        final_velocity: final velocity of every bead.
         contacts: measures of each contact, from left to right.
     """
 
@@ -170,7 +176,9 @@ class CollisionMeasures:
 
 
 def struck_contact(velocity: ArrayLike) -> int:
-    """Return the contact whose beads approach each other fastest at the start, from `velocity` (n+1,) [m/s].
+    """Return the index of the contact whose beads approach each other fastest at the start.
+
+    `velocity` (n+1,) [m/s] contains the start velocities.
 
     Raises:
         ValueError: if no neighbours approach each other.
@@ -194,11 +202,11 @@ def collide(
     samples: int = 2001,
     run: Callable[..., Trajectory] = simulate,
 ) -> Trajectory:
-    """Run `simulate` with the samples that :func:`measured` needs: uniform ones, more while contacts are closed, and
-    switches.
+    """Run `simulate` with the samples that :func:`measured` needs.
 
-    Contacts that are closed for a short time get additional samples. `method` None is "accurate" if it carries the
-    chain, else "conserving". Pass `solve` as `run` in threads, because Python's warnings are not thread-safe.
+    These are evenly spaced samples, the times of all contact switches, and additional samples during short contacts. If
+    `method` is None, the method is "accurate" if it supports the chain, otherwise "conserving". Python's warnings are
+    not thread-safe: pass `solve` as `run` in threads.
     """
     if method is None:
         method = "conserving" if refusal_of("accurate", chain) else "accurate"
@@ -213,8 +221,9 @@ def collide(
 
 
 def _inside_short(spans: Array, end: float, samples: int) -> Array:
-    """Return times inside those `spans` (K, 2) [s] that uniform samples up to `end` miss; together about `samples` of
-    them.
+    """Return sample times inside those contact intervals `spans` (K, 2) [s] that evenly spaced samples would miss.
+
+    The evenly spaced samples reach up to the time `end`. The function returns about `samples` times in total.
     """
     last = np.minimum(spans[:, 1], end)
     length = last - spans[:, 0]
@@ -226,7 +235,8 @@ def _inside_short(spans: Array, end: float, samples: int) -> Array:
 
 
 def measured(trajectory: Trajectory) -> CollisionMeasures:
-    """Return the measures of a collision. Values at detachment are interpolated between samples (see :func:`collide`).
+    """Return the measures of a collision. Values at the detachment are interpolated between samples (see
+    :func:`collide`).
 
     Raises
     ------
@@ -299,7 +309,7 @@ def _contact_measures(trajectory: Trajectory, struck: int) -> list[ContactMeasur
 
 
 def _deficits(trajectory: Trajectory, touched: float, opened: float) -> tuple[float | None, float | None]:
-    """Return the shares of momentum and of kinetic energy at `touched` that are missing at `opened` [s]."""
+    """Return the relative losses of momentum and of kinetic energy between the times `touched` and `opened` [s]."""
     found = []
     for values in (trajectory.momentum, trajectory.kinetic_energy):
         before, after = (float(interpolated(trajectory, values, time)) for time in (touched, opened))

@@ -1,7 +1,9 @@
-"""Table of the hits of a motion: begin, end, impulse, closing speed, largest force and dissipated energy of each contact.
+"""Table of the hits of a motion: begin, end, impulse, closing speed, largest force and dissipated energy of each
+contact.
 
-The values do not come from the stored samples. The motion is computed again with samples at the located contact times, and again
-at the turning points of the overlaps, so every value is as accurate as the run itself.
+The values do not come from the stored samples. The motion is computed again with samples at the contact times. It is
+computed once more with samples at the turning points of the overlaps. Every value is therefore as accurate as the run
+itself.
 """
 
 from __future__ import annotations
@@ -21,19 +23,23 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-# Samples between two switches of any contact. The force curve of such a part has few turning points.
+# Number of samples between two consecutive switches of any contacts. In such an interval, the force curve has few
+# turning points.
 INSIDE = 12
 
-# Most repetitions of a motion that locate the turning points of overlaps. Secant steps converge in three or four.
+# Largest number of repeated runs that locate the turning points of overlaps. The secant method converges in three or
+# four.
 REFINEMENTS = 6
 
-# A turning point is located if its rate is below this fraction of the largest rate. Its error is then the square of that.
+# Largest overlap rate at a located turning point, as a fraction of the largest rate. The relative error of the overlap
+# is the square of this fraction.
 LOCATED = 1e-5
 
-# Tolerance argument for fixed-step methods, which ignore it.
+# Value of the tolerance argument for fixed-step methods, which ignore it.
 TOLERANCE = 1e-8
 
-# Largest difference of final velocities between the stored and the repeated run, as a fraction of the largest speed.
+# Largest difference of final velocities between the stored run and the repeated run, as a fraction of the largest
+# speed.
 SAME_RUN = 1e-5
 
 
@@ -90,14 +96,16 @@ def hits(trajectory: Trajectory) -> NDArray[np.void]:
         row["contact"], row["begin"], row["end"] = contact, begin, end
         row["impulse"] = _impulse(full, contact, part)
         row["closing_speed"] = full.rate[first, contact]
-        # a sample at the peak of a contact with loss may have the smaller force of unloading already
+        # A sample at the peak of a contact with loss may already contain the smaller force of unloading.
         row["largest_force"] = max((*force, float(trajectory.chain.contact[contact].force(float(deepest)))), key=abs)
         row["energy_lost"] = _energy_lost(trajectory.chain, contact, overlap)
     return table
 
 
 def _between(knots: Array) -> list[Array]:
-    """Return sample times between neighbouring `knots`, denser at both ends, where forces of soft contacts jump."""
+    """Return sample times between neighbouring `knots`. They are denser at both ends, where forces of soft contacts
+    jump.
+    """
     share = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, INSIDE) / INSIDE)
     return [begin + (end - begin) * share for begin, end in pairwise(knots)]
 
@@ -115,9 +123,10 @@ def _repeated(trajectory: Trajectory, times: Array) -> Trajectory:
 
 
 def _turning_times(run: Trajectory, contact: int, begin: float, end: float) -> list[float]:
-    """Return better times of the turning points of the overlap in a hit that are not located yet.
+    """Return improved times for turning points of the overlap that are not located yet, within one hit.
 
-    A contact without loss needs only its largest |overlap|. With loss, every turning point separates loading from unloading.
+    A contact without loss needs only the time of the largest absolute overlap. With loss, every turning point separates
+    loading from unloading.
     """
     first, last = np.searchsorted(run.time, [begin, end])
     time, rate = run.time[first : last + 1], run.rate[first : last + 1, contact]
@@ -130,7 +139,8 @@ def _turning_times(run: Trajectory, contact: int, begin: float, end: float) -> l
         near, far = (k, k + 1) if abs(rate[k]) <= abs(rate[k + 1]) else (k + 1, k)
         if abs(rate[near]) <= LOCATED * np.abs(rate).max():
             continue
-        # The slope of the rate jumps at the turning point of a contact with loss. So extrapolate from one side of it only.
+        # The slope of the rate jumps at the turning point of a contact with loss. Therefore extrapolate from one side
+        # only.
         beyond = 2 * near - far
         if not (0 <= beyond < time.size and rate[beyond] * rate[near] > 0.0 and rate[beyond] != rate[near]):
             beyond = far
@@ -141,7 +151,7 @@ def _turning_times(run: Trajectory, contact: int, begin: float, end: float) -> l
 
 
 def _impulse(run: Trajectory, contact: int, part: slice) -> float:
-    """Return the momentum [N s] that `contact` passed to its right bead during the samples `part`."""
+    """Return the momentum [N s] that `contact` transmitted to the bead on its right during the samples `part`."""
     chain, mass = run.chain, np.asarray(run.chain.mass)
     time = run.time[part]
     for side, sign in ((slice(contact + 1, None), 1.0), (slice(None, contact + 1), -1.0)):
@@ -161,7 +171,10 @@ def _external(chain: Chain, side: slice, begin: float, end: float) -> float:
 
 
 def _energy_lost(chain: Chain, contact: int, overlap: Array) -> float:
-    """Return the dissipated energy [J]: the loss of the gear that acts, times each decrease of the stored energy."""
+    """Return the dissipated energy [J] of a contact.
+
+    Each decrease of the stored energy is multiplied by the loss of the gear that acts at this time.
+    """
     losses = _losses(chain.contact[contact])
     if not any(losses):
         return 0.0
@@ -174,7 +187,7 @@ def _energy_lost(chain: Chain, contact: int, overlap: Array) -> float:
 
 
 def _losses(law: object) -> tuple[float, float]:
-    """Return the losses of a contact while it is pushed and while it is pulled."""
+    """Return two losses of a contact: for pushing and for pulling."""
     if isinstance(law, Coupler):
         return law.push.loss, law.pull.loss if law.pull else 0.0
     return (law.loss if isinstance(law, Contact) else 0.0), 0.0

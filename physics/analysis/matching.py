@@ -1,18 +1,19 @@
-"""Matching of contact laws: the power law nearest to a given draft gear in one collision, and the other way round.
+"""Matching of contact laws. For a given draft gear, find the power law that acts most similarly in one collision. For a
+given power law, find the most similar draft gear.
 
-"The above form of f(delta) resembles the power-law form, f0 delta^alpha, with alpha << 1" (Appendix C). How closely,
-and with which f0 and alpha, depends on the collision and on the distance that is minimised:
+The paper states: "The above form of f(delta) resembles the power-law form, f0 delta^alpha, with alpha << 1" (Appendix
+C). The best f0 and alpha depend on the collision and on the measure of distance. Two distances can be minimised:
 
     force     sqrt(integral (f - g)^2 dt / integral f^2 dt) over the force of the struck contact, from the first touch
               until both collisions are over
     outcome   sqrt(mean ((v_i - w_i) / V)^2 + ln(T / S)^2) over the final velocities of all beads, V the closing speed
               at the start, and the contact times T, S of the struck contact
 
-f, v, T belong to the given contact, g, w, S to the other one. All contacts of the chain are replaced. If both clusters
-move as rigid bodies, the outcome is nearly the same for all small alpha, but the force is not. Below its critical speed
-a draft gear moves the clusters as rigid bodies for any parameters, so the outcome is flat and a search that starts
-there does not move. Therefore the search starts from contacts of every V/v_c, or of every alpha, that keep two rigid
-bodies in contact for a given time T:
+The quantities f, v, T belong to the given contact, and g, w, S to the other contact. All contacts of the chain are
+replaced. If both clusters move as rigid bodies, the outcome is nearly the same for all small alpha, but the force is
+not. Below its critical speed, a draft gear moves the clusters as rigid bodies for any parameters. The outcome is then
+constant, and a search that starts below the critical speed does not move. Therefore the search starts from several
+contacts, with different V/v_c or alpha. Each of them keeps two rigid bodies in contact for a given time T:
 
     draft gear   T = (2/w) atan(x), x = V/(w D) = (V/v_c) sqrt(1/r^2 - 1)
     power law    Contact.by_contact_time
@@ -38,26 +39,29 @@ Array = NDArray[np.float64]
 Family = Literal["power_law", "draft_gear"]
 Distance = Literal["force", "outcome"]
 
-NEAR = 0.1  # Largest distance that counts as near: force curves that differ by 10 %.
-ALPHAS = (1.0 / 50.0, 3.0)  # Range of the exponents to search.
-# Range of the precompressions to search, as a multiple of the largest overlap of the given contact.
+NEAR = 0.1  # Largest distance of contacts that count as similar. Their force curves differ by 10 %.
+ALPHAS = (1.0 / 50.0, 3.0)  # Range of the exponents in the search.
+# Range of the precompressions in the search, as a multiple of the largest overlap of the given contact.
 PRECOMPRESSIONS = 1e-4, 1e4
-FORCES = (1e-3, 1e3)  # Range of the forces to search, as a multiple of the first guess.
-LOGARITHM_TOLERANCE = 1e-5  # Step of the logarithms of both parameters at which the search ends.
-AT_END = 1e-3  # A logarithm this close to an end of its range counts as lying at it.
-# Sizes of the simplex in the logarithms. The search restarts with each until nothing changes.
+FORCES = (1e-3, 1e3)  # Range of the forces in the search, as a multiple of the first guess.
+LOGARITHM_TOLERANCE = 1e-5  # Change of the logarithms of both parameters below which the search ends.
+AT_END = 1e-3  # Distance of a logarithm from the end of its range below which the parameter counts as lying at the end.
+# Sizes of the initial simplex in the logarithms of the parameters. The search restarts with each size until the result
+# no longer changes.
 SIMPLEX_SIZES = (0.3, 0.1, 0.03)
-MOST_COLLISIONS = 150  # Most collisions of one descent. Two parameters need about 60.
-# Number of descents from the nearest starts. The outcome has several valleys, the force has one.
+MOST_COLLISIONS = 150  # Largest number of collisions in one local search. A search with two parameters needs about 60.
+# Number of local searches, each from one of the nearest starts. The outcome has several local minima, the force has
+# one.
 DESCENTS = {"force": 1, "outcome": 3}
-# Tolerance of the collisions, far below any distance. Very soft chains need thousands of steps for a smaller one.
+# Tolerance of the simulated collisions, far below any distance of interest. With a smaller tolerance, very soft chains
+# would need thousands of steps.
 TOLERANCE = 1e-6
-FAR = 1e3  # Distance of a contact whose collision cannot be simulated.
-# Sample times as fractions of the contact time: dense at both ends, where forces jump, but not at the ends themselves,
-# where the force has two values.
+FAR = 1e3  # Distance assigned to a contact whose collision cannot be simulated.
+# Sample times as fractions of the contact time. They are dense near both ends, where forces jump. The ends themselves
+# are left out, because the force has two values there.
 GRADED = np.clip(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 801)), 1e-9, 1.0 - 1e-9)
 
-RATIOS = tuple(np.geomspace(0.3, 30.0, 33).tolist())  # V/v_c of the gears from which a search starts.
+RATIOS = tuple(np.geomspace(0.3, 30.0, 33).tolist())  # Ratios V/v_c of the draft gears from which a search starts.
 EXPONENTS = tuple(np.geomspace(0.025, 2.5, 17).tolist())  # Exponents of the power laws from which a search starts.
 
 
@@ -72,15 +76,17 @@ class Match:
     distance : str
         Name of the distance that was minimised.
     residual : float
-        Smallest distance found; 0.1 for force curves that differ by 10 % in the root mean square.
+        Smallest distance found. It is 0.1 for force curves whose root mean square difference is 10 %.
     near : bool
         True if the residual is at most 0.1.
     outcome : float
-        Difference of final velocities and contact time, for any `distance`. Equal forces do not imply equal outcomes.
+        Difference of final velocities and contact time. It is computed for any `distance`, because similar forces
+        do not imply similar outcomes.
     speed_ratio : float or None
-        V/v_c of the draft gear, given or found. Below 1 the clusters stay exactly rigid.
+        Ratio V/v_c of the closing speed to the critical speed of the draft gear. Below 1 the clusters stay exactly
+        rigid.
     ends : tuple of str
-        Parameters at an end of the range that was searched. A nearer contact may lie beyond it.
+        Parameters that lie at an end of their search range. A nearer contact may exist beyond the range.
     evaluations : int
         Number of collisions computed.
     """
@@ -109,17 +115,18 @@ def match(
     Parameters
     ----------
     chain : Chain
-        All its contacts are equal, a power law (preload 0) or a draft gear (exponent 1).
+        Chain of equal contacts. Their law is a power law (preload 0) or a draft gear (exponent 1).
     velocity : array_like
         (n+1,) initial velocities [m/s].
     distance : {"force", "outcome"}
         Distance to minimise.
     family : {"power_law", "draft_gear"}, optional
-        Family to search. None takes the family that the given contact does not belong to.
+        Family to search. None means the family to which the given contact does not belong.
     start : Contact, optional
-        First contact of the search. None takes the contact with the same force at half and at full depth.
+        First contact of the search. None means the contact with the same force as the given one at half and at full
+        depth.
     progress : callable, optional
-        Function that is called with the number of collisions computed so far, after each of them.
+        Function that is called after each simulated collision, with the number of collisions so far.
 
     Returns
     -------
@@ -129,7 +136,8 @@ def match(
     Raises
     ------
     ValueError
-        If the contacts differ or belong to neither family, if nothing collides, or with a drive or two walls.
+        If the contacts differ or belong to neither family, if nothing collides, or if the chain has a drive or two
+        walls.
 
     >>> from softcradle import hooke, one_on
     >>> match(one_on(1, hooke(4.0)), [1.0, 0.0], family="power_law").contact.exponent.__round__(4)
@@ -162,10 +170,11 @@ def _search(
     descents: int,
     progress: Callable[[int], None] | None,
 ) -> tuple[Contact, float, tuple[str, ...], int]:
-    """Return the nearest contact, its distance, its parameters at an end of their range, and the number of collisions.
+    """Search for the nearest contact, starting from several contacts.
 
-    Compute the distance of all `starts` first. Then run Nelder-Mead from the nearest ones, in the logarithms of both
-    parameters.
+    Return the nearest contact, its distance, the parameters at an end of their range, and the number of collisions.
+    Compute the distance of all `starts` first. Then run the Nelder-Mead method from the nearest ones, in the logarithms
+    of both parameters.
     """
     low, high = np.log(_ranges(family, starts[0], depth)).T
     evaluations = 0
@@ -188,7 +197,10 @@ def _search(
 
 
 def _descend(objective: Callable[[Array], float], place: Array, low: Array, high: Array) -> tuple[Array, float]:
-    """Return the minimum near `place` and its place, by Nelder-Mead, restarted until nothing changes."""
+    """Return a local minimum of `objective` near `place`, and its position.
+
+    The Nelder-Mead method is restarted until the result no longer changes.
+    """
     least = math.inf
     for size in SIMPLEX_SIZES:
         found = optimize.minimize(
@@ -197,7 +209,8 @@ def _descend(objective: Callable[[Array], float], place: Array, low: Array, high
             method="Nelder-Mead",
             bounds=list(zip(low, high, strict=True)),
             options={
-                "initial_simplex": place + size * np.eye(3, 2, -1),  # reversed at the upper end of the range
+                # The simplex is reversed at the upper end of the range.
+                "initial_simplex": place + size * np.eye(3, 2, -1),
                 "xatol": LOGARITHM_TOLERANCE,
                 "fatol": 1e-9,
                 "maxfev": MOST_COLLISIONS,
@@ -211,7 +224,7 @@ def _descend(objective: Callable[[Array], float], place: Array, low: Array, high
 
 
 def only_contact(chain: Chain) -> Contact:
-    """Return the common contact of `chain` if it can be matched; raise ValueError as in :func:`match`."""
+    """Return the common contact law of `chain`. Raise ValueError as in :func:`match` if the contacts cannot be matched."""
     given = chain.power_laws[0]
     if any(contact != given for contact in chain.power_laws):
         raise ValueError("matching needs a chain whose contacts are all alike")
@@ -225,7 +238,7 @@ def only_contact(chain: Chain) -> Contact:
 
 
 def _first_guess(given: Contact, family: Family, depth: float) -> Contact:
-    """Return the contact of `family` with the force of `given` at half and at all of `depth`."""
+    """Return the contact of `family` that has the same force as `given` at half of `depth` and at `depth`."""
     half, full = (float(given.force(part * depth)) for part in (0.5, 1.0))
     if family == "power_law":
         alpha = min(max(math.log2(full / half), 2.0 * ALPHAS[0]), ALPHAS[1])
@@ -235,17 +248,17 @@ def _first_guess(given: Contact, family: Family, depth: float) -> Contact:
 
 
 def _numbers(contact: Contact, family: Family, depth: float) -> tuple[float, float]:
-    """Return the two search parameters: the force at half of `depth`, and alpha or the precompression.
+    """Return the two search parameters of a contact.
 
-    This force hardly depends on the second parameter. With f0 or the stiffness, the minimum would lie in a narrow
-    valley.
+    The first is the force at half of `depth`. The second is alpha or the precompression. The first parameter hardly
+    depends on the second one. With f0 or the stiffness as a parameter, the minimum would lie in a narrow valley.
     """
     force = float(contact.force(0.5 * depth))
     return force, contact.exponent if family == "power_law" else contact.preload / contact.stiffness
 
 
 def _contact(family: Family, numbers: Array, depth: float) -> Contact:
-    """Return the contact with these :func:`_numbers`."""
+    """Return the contact with the given search parameters, see :func:`_numbers`."""
     force, second = numbers.tolist()
     if family == "power_law":
         return power_law(force / (0.5 * depth) ** second, second)
@@ -253,7 +266,7 @@ def _contact(family: Family, numbers: Array, depth: float) -> Contact:
 
 
 def _ranges(family: Family, guess: Contact, depth: float) -> Array:
-    """Return the (2, 2) lower and upper limits of the two :func:`_numbers`."""
+    """Return the lower and upper limits (2, 2) of the two search parameters, see :func:`_numbers`."""
     force = float(guess.force(0.5 * depth))
     second = ALPHAS if family == "power_law" else tuple(depth * factor for factor in PRECOMPRESSIONS)
     return np.array([[force * factor for factor in FORCES], second])
@@ -264,11 +277,15 @@ def _with(chain: Chain, contact: Contact) -> Chain:
 
 
 def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
-    """Return the function that maps a contact to the distance of its collision, by the force of contact `struck`."""
+    """Return a function that maps a contact law to its distance from the law of `chain`.
+
+    The distance compares the forces of contact `struck` in the collision.
+    """
 
     def curve(contact: Contact) -> tuple[Array, Array]:
-        """Return the force of the struck contact from its first touch to its last opening, and the times since that
-        touch.
+        """Return the force of the struck contact from its first touch to its last opening.
+
+        Also return the times, counted from the first touch.
         """
         candidate = _with(chain, contact)
         spans = solve(candidate, velocity, samples=2, tolerance=TOLERANCE).contact_intervals[struck]
@@ -282,7 +299,9 @@ def force_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Cont
 
 
 def squared_difference(time: Array, curve: Array, other_time: Array, other: Array) -> float:
-    """Integrate (f - g)^2 of two curves over times (T,), (S,) from 0 on; each curve is 0 after its last time.
+    """Integrate (f - g)^2 of two sampled curves f and g over time, starting at 0.
+
+    The curves are sampled at times (T,) and (S,). Each curve is 0 after its last time.
 
     >>> one = np.ones(2)
     >>> squared_difference(np.array([0.0, 2.0]), one, np.array([0.0, 3.0]), 2.0 * one)
@@ -299,7 +318,10 @@ def squared_difference(time: Array, curve: Array, other_time: Array, other: Arra
 
 
 def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Contact], float]:
-    """Return the function that maps a contact to the distance of its collision, by final velocities and contact time."""
+    """Return a function that maps a contact law to its distance from the law of `chain`.
+
+    The distance compares final velocities and the contact time of contact `struck`.
+    """
     closing = float(velocity[struck] - velocity[struck + 1])
 
     def outcome(contact: Contact) -> tuple[Array, float]:
@@ -317,8 +339,9 @@ def outcome_distance(chain: Chain, velocity: Array, struck: int) -> Callable[[Co
 
 
 def gears_of_all_speeds(chain: Chain, struck: int, speed: float, time: float) -> list[Contact]:
-    """Return a draft gear for every V/v_c of RATIOS with contact time `time` [s] between rigid bodies; empty for one on
-    one.
+    """Return one draft gear for each V/v_c in RATIOS. Between rigid bodies, each has the contact time `time` [s].
+
+    The result is empty for one bead on one bead.
     """
     first, second = rigid_masses(chain.mass, struck + 1)
     carried = float(np.delete(mass_shares(chain.mass, struck), struck).max(initial=0.0))
@@ -333,7 +356,7 @@ def gears_of_all_speeds(chain: Chain, struck: int, speed: float, time: float) ->
 
 
 def laws_of_all_exponents(chain: Chain, struck: int, speed: float, time: float) -> list[Contact]:
-    """Return a power law for every exponent of EXPONENTS with contact time `time` [s] between rigid bodies."""
+    """Return one power law for each exponent in EXPONENTS. Between rigid bodies, each has the contact time `time` [s]."""
     first, second = rigid_masses(chain.mass, struck + 1)
     reduced = 1.0 / (1.0 / first + 1.0 / second)
     return [Contact.by_contact_time(time, reduced, speed, exponent) for exponent in EXPONENTS]

@@ -1,4 +1,6 @@
-"""Measures of a motion, from the paper: depth law, loads, separation of time scales, rigidity, energy inside a cluster."""
+"""Measures of a motion that the paper defines: depth law, loads, separation of time scales, rigidity, energy in a
+cluster.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +15,13 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-# Fraction of the largest overlap. A contact with preload and a smaller overlap counts as touching, not as loaded.
+# Fraction of the largest overlap. If a contact with preload has a smaller overlap, it counts as touching, not as
+# loaded.
 LEAST_OVERLAP = 1e-9
 
 
 def depth_law(n: int, alpha: float) -> Array:
-    """Return the (n-1,) overlaps inside a homogeneous cluster of `n` beads relative to the first one, Eq. (7).
+    """Return the (n-1,) overlaps inside a homogeneous cluster of `n` beads, divided by the first overlap, Eq. (7).
 
     >>> depth_law(4, 1 / 10).round(4)
     array([1.    , 0.0173, 0.    ])
@@ -28,7 +31,7 @@ def depth_law(n: int, alpha: float) -> Array:
 
 
 def depth_bound(n: int, alpha: float) -> Array:
-    """Return the paper's (n-1,) bound ``exp(-(i-1)/(n alpha))`` of :func:`depth_law`.
+    """Return the paper's upper bound (n-1,) of :func:`depth_law`: ``exp(-(i-1)/(n alpha))``.
 
     >>> bool((depth_law(7, 0.05) <= depth_bound(7, 0.05)).all())
     True
@@ -37,12 +40,13 @@ def depth_bound(n: int, alpha: float) -> Array:
 
 
 def loads(chain: Chain, struck: int = 0) -> Array:
-    """Return the (n,) force that each contact must transmit, relative to its force at overlap 1; 1 at contact `struck`.
+    """Return the (n,) force that each contact must transmit, divided by its force at overlap 1.
 
-    If the clusters move as rigid bodies and the struck contact pushes with its force at overlap 1, a contact inside
-    transmits the part that accelerates the masses beyond it, Eq. (5). With small exponents a contact transmits at most
-    about its force at overlap 1, so clusters are rigid-like only if all loads are below 1. How small the exponents must
-    be follows from ``load**(1/exponent)``, the overlap. For n equal beads the largest inner load is (n-1)/n.
+    Both clusters are assumed to move as rigid bodies, and the struck contact to push with its force at overlap 1. A
+    contact inside a cluster then transmits the force that accelerates the masses beyond it, Eq. (5). The load of
+    contact `struck` is 1. With small exponents, a contact transmits at most about its force at overlap 1. So clusters
+    are rigid-like only if all loads are below 1. The overlap ``load**(1/exponent)`` shows how small the exponents must
+    be. For n equal beads the largest inner load is (n-1)/n.
 
     >>> from softcradle import one_on, power_law
     >>> loads(one_on(4, power_law(1.0, 0.1)))
@@ -56,8 +60,8 @@ def loads(chain: Chain, struck: int = 0) -> Array:
 def response_times(trajectory: Trajectory) -> Array:
     """Return the (n,) response times [s] at the largest overlaps: ``1 / sqrt(L_ii df/dd)``, L_ii = 1/m + 1/m'.
 
-    These are tau_(i,i+1) before Eq. (10), with masses. The value is 0 for a contact that never loads, and infinite for
-    a step force.
+    They generalise tau_(i,i+1), defined before Eq. (10), to unequal masses. The time is 0 for a contact that is never
+    loaded, and infinite for a step force.
     """
     _, stiffness, exponent = trajectory.chain.power_law_rows.T
     deepest = np.maximum(trajectory.overlap.max(axis=0), 0.0)
@@ -68,14 +72,15 @@ def response_times(trajectory: Trajectory) -> Array:
 
 
 def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
-    """Return the (n,) validity measure (tau_i / tau_dur)**2 of Eq. (10); mode coupling needs it far below 1.
+    """Return the (n,) validity measure (tau_i / tau_dur)**2 of Eq. (10). The mode-coupling model requires values far
+    below 1.
 
-    tau_dur is the duration of the first contact of `struck`.
+    tau_i is a response time. tau_dur is the time for which contact `struck` first stays closed.
 
     Raises
     ------
     ValueError
-        If that contact does not close and open again.
+        If contact `struck` does not close and open again.
     """
     intervals = trajectory.contact_intervals[struck]
     if not intervals or not np.isfinite(intervals[0][1]):
@@ -85,11 +90,11 @@ def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
 
 
 def rigidity(velocity: ArrayLike) -> Array:
-    """Return the spread of velocities of a cluster, (..., n) [m/s]: largest minus smallest velocity, divided by the
-    mean.
+    """Return the velocity spread (...) of a cluster with velocities (..., n) [m/s].
 
-    It is 0 for a rigid body, and infinite or NaN if the mean is 0. It "vanishes in the limit alpha -> +0", Figs. 1(c),
-    (d), and is the ordinate of Fig. 3 of the letter that the paper cites.
+    It is the largest minus the smallest velocity, divided by the mean. It is 0 for a rigid body, and infinite or NaN if
+    the mean is 0. The paper states that it "vanishes in the limit alpha -> +0", Figs. 1(c), (d). It is the ordinate of
+    Fig. 3 in the letter that the paper cites.
 
     >>> float(rigidity([0.5, 0.4, 0.3]).round(3))
     0.5
@@ -100,7 +105,7 @@ def rigidity(velocity: ArrayLike) -> Array:
 
 
 def interpolated(trajectory: Trajectory, values: Array, time: float) -> Array:
-    """Interpolate `values` (T, ...) linearly at `time` [s]."""
+    """Return `values` (T, ...) of a trajectory at `time` [s], by linear interpolation between its samples."""
     right = min(max(int(np.searchsorted(trajectory.time, time)), 1), len(trajectory.time) - 1)
     before, after = trajectory.time[right - 1], trajectory.time[right]
     share = 0.0 if after == before else min(max((time - before) / (after - before), 0.0), 1.0)
@@ -108,10 +113,11 @@ def interpolated(trajectory: Trajectory, values: Array, time: float) -> Array:
 
 
 def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: float) -> float | None:
-    """Return the ratio of the speed of separation at `detachment` to the speed of approach at `touch` [s].
+    """Return the ratio of the speed of separation at time `detachment` [s] to the speed of approach at time `touch`
+    [s].
 
-    It is None if the sides do not approach. After the detachment only bed friction and walls change the velocities of
-    the centres of mass.
+    The result is None if the two sides do not approach each other. The speeds are those of the centres of mass. After
+    the detachment, only bed friction and walls change them.
     """
     chain, sides = trajectory.chain, (slice(None, struck + 1), slice(struck + 1, None))
     rows = (interpolated(trajectory, trajectory.velocity, time) for time in (touch, detachment))
@@ -121,7 +127,9 @@ def restitution(trajectory: Trajectory, struck: int, touch: float, detachment: f
 
 
 def energy_inside(trajectory: Trajectory, struck: int) -> Array:
-    """Return the (T,) energy inside the target cluster as a share of the initial energy; NaN if that is 0."""
+    """Return the (T,) energy inside the target cluster as a fraction of the initial energy; NaN if the initial energy
+    is 0.
+    """
     chain = trajectory.chain
     beads = target_beads(chain, struck)
     mass, velocity = np.array(chain.mass)[beads], trajectory.velocity[:, beads]
@@ -132,11 +140,11 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
 
 
 def impulses(trajectory: Trajectory, struck: int) -> Array:
-    """Return the (n,) momentum [N s] that each contact passed to the right between the first and the last sample.
+    """Return the (n,) momentum [N s] that each contact transmitted to the right between the first and the last sample.
 
-    It follows from the momentum balance of one side. Between two walls, with bed friction and on strings, this balance is not
-    known. Then the force is integrated over the samples from the first touch of contact `struck` on, because forces
-    between beads at rest on the bed are not determined.
+    It follows from the momentum balance of one side of the contact. The balance is not known between two walls, with
+    bed friction and on strings. In these cases, the force is integrated over the samples. The integral starts at the
+    first touch of contact `struck`, because forces between beads at rest on the bed are not determined.
     """
     chain, time = trajectory.chain, trajectory.time
     if chain.takes_momentum:
@@ -146,7 +154,7 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
     for item in chain.forces:
         drive[list(item.beads)] += np.diff(item.impulse(time[[0, -1]]))
     with np.errstate(invalid="ignore"):
-        gained = mass * (trajectory.velocity[-1] - trajectory.velocity[0]) - drive  # NaN for walls
+        gained = mass * (trajectory.velocity[-1] - trajectory.velocity[0]) - drive  # The momentum is NaN for walls.
     right, left = np.cumsum(gained[::-1])[::-1][1:], -np.cumsum(gained)[:-1]
     known: Array = np.where(np.isfinite(right), right, left)
     if np.isfinite(known).all():
@@ -155,18 +163,18 @@ def impulses(trajectory: Trajectory, struck: int) -> Array:
 
 
 def _integrated_force(trajectory: Trajectory, struck: int) -> Array:
-    """Return the (n,) integrals of the contact forces [N s] over the samples from the first touch of contact `struck`
-    on.
+    """Return the (n,) integrals of the contact forces [N s] over the samples, starting at the first touch of contact
+    `struck`.
 
-    If a contact is open at one of two neighbouring samples, the force may jump between them, so its mean does not
-    count.
+    If a contact is open at one of two neighbouring samples, its force may jump between them. Such an interval is not
+    integrated with the mean force.
     """
     time, force = trajectory.time, trajectory.force
     middle, mean = 0.5 * (time[1:] + time[:-1]), 0.5 * (force[1:] + force[:-1])
     for k, spans in enumerate(trajectory.contact_intervals):
         if not isinstance(
             trajectory.chain.contact[k], PiecewiseContact
-        ):  # a coupler may push before its switch is logged
+        ):  # A coupler may push before its closing is logged.
             switches = np.array(spans).ravel()
             mean[:, k] = np.where(np.isin(time[1:], switches[1::2]), force[:-1, k], mean[:, k])
             mean[np.searchsorted(switches, middle) % 2 == 0, k] = 0.0
@@ -181,7 +189,7 @@ def first_touch(trajectory: Trajectory, struck: int) -> float:
 
 
 def loaded_samples(trajectory: Trajectory) -> NDArray[np.bool_]:
-    """Return (T, n) True if a contact is pressed, or if one of the gears of a coupler is."""
+    """Return a boolean array (T, n): True if a contact is compressed, or if a gear of a coupler is."""
     way = trajectory.overlap.copy()
     for i, contact in trajectory.chain.piecewise:
         pulled = np.where(trajectory.force[:, i] < 0.0, contact.pulls_below - way[:, i], 0.0)
@@ -190,18 +198,19 @@ def loaded_samples(trajectory: Trajectory) -> NDArray[np.bool_]:
 
 
 def can_touch(joint: Joint) -> bool:
-    """Return True if the contact can carry a force without moving, because it has a preload where it begins to push or pull."""
+    """Return True if a contact can transmit a force without moving, because it has a preload for pushing or for
+    pulling.
+    """
     return joint.preload > 0.0 or (
         isinstance(joint, PiecewiseContact) and any(one.preload for one in joint.pulling[:1])
     )
 
 
 def dwell(trajectory: Trajectory, struck: int) -> Array:
-    """Return the (n, 3) times [s] that each contact was open, touching and loaded, from the first touch of `struck` to
-    the end.
+    """Return the (n, 3) times [s] for which each contact was open, touching and loaded.
 
-    A coupler that pulls counts as closed. Closings and openings are exact; the change between touching and loaded is
-    known to within a sample.
+    They are counted from the first touch of contact `struck` to the end. A coupler that pulls counts as closed.
+    Closings and openings are exact. The change between touching and loaded is only known to within a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])
     begin, loaded_at, rows = first_touch(trajectory, struck), loaded_samples(trajectory), []
@@ -216,10 +225,11 @@ def dwell(trajectory: Trajectory, struck: int) -> Array:
 
 
 def spread_variable(n: int, alpha: float) -> float:
-    """Return ``(n+1) exp(-1/(2 n alpha))``; cases of one on `n` with equal values have the same velocity spread.
+    """Return ``(n+1) exp(-1/(2 n alpha))``. Two collisions of one bead on `n` beads have the same velocity spread if
+    this value is equal.
 
-    The first inner overlap stores ``psi ~ exp(-1/(n alpha))`` at a force near 1. After the detachment this energy
-    drives its beads apart by about ``sqrt(psi)``. The velocity of a rigid cluster is 2/(n+1).
+    The first inner contact has the overlap ``psi ~ exp(-1/(n alpha))`` at a force near 1. After the detachment, its
+    stored energy drives its beads apart at a speed of about ``sqrt(psi)``. The velocity of a rigid cluster is 2/(n+1).
 
     >>> round(spread_variable(4, 0.1), 3)
     1.433
@@ -228,8 +238,9 @@ def spread_variable(n: int, alpha: float) -> float:
 
 
 def chain_spread_variable(chain: Chain, struck: int) -> float | None:
-    """Return the `spread_variable` of a chain of one striker and equal targets without preload or loss; None for other
-    chains.
+    """Return the `spread_variable` of a chain that consists of one striker and equal targets without preload or loss.
+
+    The result is None for other chains.
     """
     law, n = common_law(chain), chain.contacts
     if law is None or law.preload or law.loss or n < 2 or struck != 0 or len(set(chain.mass)) > 1:
@@ -238,12 +249,11 @@ def chain_spread_variable(chain: Chain, struck: int) -> float | None:
 
 
 def penetration_depth(trajectory: Trajectory, struck: int = 0) -> float:
-    """Return the number of contacts over which the overlap falls by a factor e, at the largest overlap of the first
-    inner contact.
+    """Return the number of contacts over which the overlap decreases by a factor e.
 
-    The value comes from a straight line through the logarithms of the overlaps behind contact `struck`. The paper's
-    bound on Eq. (7) is n alpha. The value is 0 if no second inner contact is pressed, or if the overlaps do not
-    decrease inwards.
+    The time is that of the largest overlap of the first inner contact. The value comes from a straight line through the
+    logarithms of the overlaps behind contact `struck`. The paper's bound on Eq. (7) is n alpha. The value is 0 if no
+    second inner contact is compressed, or if the overlaps do not decrease inwards.
     """
     inner = trajectory.overlap[:, struck + 1 :]
     if inner.shape[1] < 2:
@@ -262,7 +272,9 @@ def target_beads(chain: Chain, struck: int) -> NDArray[np.int_]:
 
 
 def _side_velocity(chain: Chain, side: slice, velocity: Array) -> float:
-    """Return the velocity [m/s] of the centre of mass of a side, or of its wall."""
+    """Return the velocity [m/s] of the centre of mass of one side of a contact. If the side contains a wall, return its
+    velocity.
+    """
     mass, speeds = np.array(chain.mass)[side], velocity[side]
     walls = np.isinf(mass)
     return float(speeds[walls][0] if walls.any() else speeds @ mass / mass.sum())

@@ -1,17 +1,18 @@
-"""Mode coupling, Sec. III and Appendix A: the collective modes of a collision, and every overlap computed from them.
+"""Mode-coupling model, Sec. III and Appendix A: the collective modes of a collision, and all overlaps computed from
+them.
 
 A cluster that moves as one body distributes the incoming momentum: the force behind bead i is the force at the head of
 the cluster times the mass fraction behind it, Eq. (5). So all overlaps of a cluster follow from its first one, Eqs. (7)
-and (A1). The remaining unknowns are the overlap Phi between the clusters and the first overlap of each, psi and
-psi-bar. With M = m2 + ... + mn, Eqs. (8), (A3) read
+and (A1). The remaining unknowns are three overlaps: Phi between the clusters, and psi and psi-bar, the first overlap
+inside each cluster. With M = m2 + ... + mn, Eqs. (8), (A3) read
 
     Phi'' = -(1/m0 + 1/m1) f01(Phi) + (1/m1) f12(psi)
     psi'' =  (1/m1) f01(Phi) - (1/m1 + 1/M) f12(psi)
 
-This is Newton's equation (3) of the three-bead chain m0, m1, M with the contacts f01 and f12: the cluster behind its
-first bead is lumped into one bead. So the reduced chain is an ordinary Chain. For a cluster on a cluster it has four
-beads, and for a cluster with a steady external force two. It conserves the energy ``H = q'.L^-1.q'/2 + E01(Phi) +
-E12(psi)``, q = (Phi, psi), because L is symmetric.
+This is Newton's equation (3) of a chain of three beads m0, m1, M with the contacts f01 and f12. All beads of the
+cluster behind its first bead are lumped into the bead M. So the reduced chain is an ordinary Chain. For a cluster that
+strikes a cluster it has four beads. For a cluster with a steady external force it has two. It conserves the energy ``H
+= q'.L^-1.q'/2 + E01(Phi) + E12(psi)``, q = (Phi, psi), because L is symmetric.
 """
 
 from __future__ import annotations
@@ -50,8 +51,8 @@ class Reduction:
         """Return the reduction of two colliding clusters, or of one cluster that is driven at an end.
 
         Raises:
-            ValueError: if the start is neither, if a contact inside a cluster is not a power law, or if its beads are
-                not free.
+            ValueError: if the start is neither of these cases, if a contact inside a cluster is not a power law, or if
+                its beads are not free.
         """
         if chain.timed or chain.dissipative:
             raise ValueError(
@@ -68,7 +69,7 @@ class Reduction:
                     f"mode coupling needs clusters that just touch, contact {i} has a gap of {chain.gap[i]:g}"
                 )
         lumped = [j for lump in found.lumps if lump.stop - lump.start > 1 for j in range(lump.start, lump.stop)]
-        for j in lumped:  # Eq. (5) distributes the force at the head by mass
+        for j in lumped:  # By Eq. (5), the force at the head of a cluster is distributed in proportion to mass.
             if math.isinf(chain.mass[j]) or (chain.drive is not None and chain.drive[j] != 0.0):
                 raise ValueError(f"mode coupling needs free beads inside a cluster, bead {j} is a wall or driven")
         return found
@@ -94,16 +95,16 @@ class Reduction:
 
     @cached_property
     def share(self) -> Array:
-        """(n,) force of each contact relative to its carrier, Eq. (5); 1 for the modes."""
+        """(n,) force of each contact, divided by the force of its carrier, Eq. (5). It is 1 for the modes."""
         first, last = self.modes[0], self.modes[-1]
         before, beyond = mass_shares(self.chain.mass, first), mass_shares(self.chain.mass, last)
         return np.concatenate((before[:first], np.ones(last - first), beyond[last:]))
 
     def overlaps(self, overlap: Array, rate: Array) -> tuple[Array, Array]:
-        """Return (T, n) overlaps and rates of the whole chain from (T, r) overlaps and rates of the reduced one, Eqs.
-        (7), (A1).
+        """Return the overlaps and rates (T, n) of the whole chain, from those of the reduced chain (T, r), Eqs. (7),
+        (A1).
 
-        If its mode is open, a cluster carries no force, and its overlaps are 0.
+        If the mode of a cluster is open, the cluster transmits no force, and its overlaps are 0.
         """
         modes, rates = overlap[:, self.carrier], rate[:, self.carrier]
         is_mode = np.isin(np.arange(self.chain.contacts), self.modes)
@@ -116,7 +117,7 @@ class Reduction:
 
     @cached_property
     def profile(self) -> tuple[Array, Array]:
-        """(n,) C and r of the depth law ``overlap = C * mode**r``, Eq. (A1)."""
+        """Coefficients C and r, each (n,), of the depth law ``overlap = C * mode**r``, Eq. (A1)."""
         _, stiffness, exponent = self.chain.power_law_rows.T
         carrier = self.carrier + self.modes[0]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -135,8 +136,9 @@ class ModeCoupling:
     reduced : Trajectory
         Motion of the reduced chain.
     trajectory : Trajectory
-        The whole chain by Eqs. (5), (7), (A1): overlaps, rates and forces from the modes. Its beads follow from its
-            overlaps, so the momentum inside a cluster is only as accurate as the model.
+        Motion of the whole chain: overlaps, rates and forces follow from the modes by Eqs. (5), (7), (A1). The bead
+        positions follow from the overlaps. The momentum inside a cluster is therefore only as accurate as the
+        model.
     """
 
     reduction: Reduction
@@ -178,8 +180,9 @@ class ModeCoupling:
         return bead[:, :-1] - bead[:, 1:]
 
     def returns(self, contact: int) -> float:
-        """Return the time [s] at which the mode of `contact` of the whole chain first returns to zero; infinite if
-        never.
+        """Return the time [s] at which the mode of `contact` (an index of the whole chain) first returns to zero.
+
+        The result is infinite if the mode never returns to zero.
         """
         intervals = self.reduced.contact_intervals[self.reduction.modes.index(contact)]
         return intervals[0][1] if intervals else float("inf")
@@ -225,8 +228,9 @@ def mode_coupling(
     Raises
     ------
     ValueError
-        If the start is neither of these, if a cluster contains a contact without power law, a wall or a driven bead
-            other than its first one, or with loss, a bed or forces over time; also as in `simulate`.
+        If the start is neither of these cases. If a cluster contains a wall, a contact that is not a power law, or
+        a driven bead other than its first one. If the chain has loss, a bed or forces over time. Also as in
+        `simulate`.
 
     >>> from softcradle import one_on, power_law
     >>> found = mode_coupling(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0])
@@ -255,12 +259,16 @@ def _whole(reduction: Reduction, reduced: Trajectory) -> Trajectory:
         final_velocity=final,
         contact_intervals=tuple(reduced.contact_intervals[i] for i in reduction.carrier),
         method=f"mode coupling, {reduced.method}",
-        velocity_error=np.full(final.size, np.nan),  # the error estimate of the method does not contain the model error
+        # The error estimate of the method does not contain the error of the model.
+        velocity_error=np.full(final.size, np.nan),
     )
 
 
 def _struck(chain: Chain, velocity: Array) -> int | None:
-    """Return the index of the one contact that closes at the start; None if nothing moves and the first bead is driven."""
+    """Return the index of the only contact that closes at the start.
+
+    The result is None if nothing moves and the first bead is driven.
+    """
     closing = np.flatnonzero(np.diff(velocity))
     if closing.size == 0 and chain.drive is not None and not any(chain.drive[1:]):
         return None

@@ -1,9 +1,9 @@
-"""Ringing of a contact: oscillation of its overlap or force about a slow branch (turning points, period, amplitude,
-decay).
+"""Ringing of a contact: the oscillation of its overlap or force about a slowly changing value. The results are turning
+points, period, amplitude and decay.
 
-Inside a struck cluster a contact follows the force that it must transmit, its quasi-static branch, Eq. (5). It
-oscillates about this branch at the local frequency ``sqrt((1/m + 1/m') df/dd)``, whose inverse is the response time
-before Eq. (10).
+Inside a struck cluster, a contact follows the force that it must transmit, Eq. (5). This is its quasi-static branch.
+The contact oscillates about this branch at the local frequency ``sqrt((1/m + 1/m') df/dd)``. The inverse of this
+frequency is the response time defined before Eq. (10).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from softcradle.physics.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-LEAST_SWING = 1e-9  # Smallest swing that counts, as a fraction of the range of a curve.
-FEWEST_TURNS = 4  # Fewest turning points of an oscillation on top of one rise and one fall.
+LEAST_SWING = 1e-9  # Smallest change of a curve between two turning points, as a fraction of the range of the curve.
+FEWEST_TURNS = 4  # Smallest number of turning points of a curve with an oscillation. One rise and one fall have fewer.
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,12 @@ class Ringing:
     """Oscillation on top of a curve that rises and falls once.
 
     Attributes:
-        turns: number of turning points of the curve; 1 without oscillation.
+        turns: number of turning points of the curve. Without oscillation it is 1.
         period: mean time between every other turning point [s]; None with fewer than 4 turning points.
-        amplitude: half of the largest distance of a turning point from the mean of its neighbours, in units of the
-            curve.
-        decay: rate at which the logarithm of that distance falls [1/s]; negative if it grows.
+        amplitude: half of the largest distance between a turning point and the mean of its neighbours, in units of
+            the curve.
+        decay: rate at which the logarithm of this distance decreases [1/s]. It is negative if the oscillation
+            grows.
     """
 
     turns: int
@@ -39,10 +40,11 @@ class Ringing:
 
 
 def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.int_]:
-    """Return the indices of the samples at which `curve` (T,) turns by at least `swing`, by default LEAST_SWING of its
-    range.
+    """Return the indices of the turning points of `curve` (T,). Between two of them, the curve changes by at least
+    `swing`.
 
-    Pass `swing` if the curve may be constant, because its range is then only round-off.
+    The default of `swing` is LEAST_SWING times the range of the curve. Pass another value if the curve may be constant,
+    because its range is then only round-off.
 
     >>> turning_points([0.0, 1.0, 0.5, 2.0, 0.0]).tolist()
     [1, 2, 3]
@@ -64,7 +66,7 @@ def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.i
 
 
 def ringing(time: ArrayLike, curve: ArrayLike) -> Ringing:
-    """Analyse the oscillation of `curve` (T,) sampled at `time` (T,) [s]; samples must be several times denser than its
+    """Analyse the oscillation of `curve` (T,), sampled at `time` (T,) [s]. The oscillation needs several samples per
     period.
 
     >>> t = np.linspace(0.0, 1.0, 2001)
@@ -84,9 +86,10 @@ def ringing(time: ArrayLike, curve: ArrayLike) -> Ringing:
 
 
 def returns(trajectory: Trajectory, contact: int) -> tuple[Array, Array]:
-    """Return the times [s] at which the overlap of `contact` turns from falling to rising, and the overlaps [m] there.
+    """Return the times [s] of the minima of the overlap of `contact`, and the overlaps [m] at these times.
 
-    Between two samples the overlap is a parabola through its rates, so samples must be dense compared with the period.
+    Between two samples, the overlap is interpolated by a parabola from its rates. The samples must therefore be dense
+    compared with the period.
     """
     rate, overlap, time = trajectory.rate[:, contact], trajectory.overlap[:, contact], trajectory.time
     rows = np.flatnonzero((rate[1:-1] < 0.0) & (rate[2:] >= 0.0)) + 1
