@@ -1,4 +1,4 @@
-"""Chain: masses on a line and the contacts between neighbours. A chain is immutable; its motion is in a State."""
+"""Chain: masses on a line, and the contacts between neighbours. A chain is immutable. A State contains its motion."""
 
 from __future__ import annotations
 
@@ -32,20 +32,21 @@ Array = NDArray[np.float64]
 T = TypeVar("T")
 
 Joint = Contact | OwnLaw | PiecewiseContact  # Any contact between two beads, as a chain stores it.
-# Any contact that the constructor accepts, including a user-defined law that is not yet an OwnLaw.
+# Any contact that the constructor of Chain accepts. It includes a user-defined law that is not yet an OwnLaw.
 OneLaw = Contact | PiecewiseContact | Law | Callable[[float], SupportsFloat]
-Laws = OneLaw | Sequence[OneLaw]  # One contact for all neighbours, or one for each pair.
+Laws = OneLaw | Sequence[OneLaw]  # One contact for all pairs of neighbours, or one contact for each pair.
 
-MOST_SHOWN = 4  # Largest number of different values in the text of a chain.
-MOST_BEADS = 10_000_000  # Largest number of beads of a cluster: a typing error must not exhaust the memory.
+MOST_SHOWN = 4  # Largest number of different values in the text that describes a chain.
+MOST_BEADS = 10_000_000  # Largest number of beads of a cluster. It prevents a typing error from exhausting the memory.
 ADJACENT_WALLS = Message("adjacent_walls", "two walls side by side: a contact between them could never be solved")
-GRAVITY = 9.80665  # Standard gravity [m/s²]: bed friction and the pull of strings are proportional to it.
+GRAVITY = 9.80665  # Standard gravity [m/s²]. Bed friction and the restoring force of strings are proportional to it.
 
 
 class per_chain(Generic[T]):  # noqa: N801 - it is written as a decorator
-    """Decorator for a value that depends only on the chain: computed once per chain, as an attribute of Chain or a function.
+    """Decorator for a function of a chain whose result is computed once per chain and then stored.
 
-    The value is stored in the `__dict__` of the chain, where Python finds it before it calls this descriptor again.
+    It can decorate an attribute of Chain or a function with a chain as its only argument. The value is stored in the
+    `__dict__` of the chain. Python looks for an attribute in `__dict__` before it calls this descriptor.
     """
 
     def __init__(self, compute: Callable[[Chain], T]) -> None:
@@ -56,13 +57,13 @@ class per_chain(Generic[T]):  # noqa: N801 - it is written as a decorator
         self.name = name
 
     def __get__(self, chain: Chain | None, owner: type) -> T:
-        if chain is None:  # accessed on the class, as documentation tools do
+        if chain is None:  # Documentation tools access the attribute on the class instead of an instance.
             return cast("T", self)
         found = chain.__dict__[self.name] = self.compute(chain)
         return found
 
     def __call__(self, chain: Chain) -> T:
-        """Return the value for `chain`."""
+        """Return the value for `chain`. Compute it at the first call."""
         known = chain.__dict__
         return known[self.name] if self.name in known else self.__get__(chain, Chain)
 
@@ -74,35 +75,36 @@ class Chain(Shown):
     Parameters
     ----------
     mass : array_like, shape (n+1,)
-        Masses [kg], n >= 1; ``math.inf`` is a wall, which keeps its velocity.
+        Masses [kg], n >= 1. A mass of ``math.inf`` makes the bead a wall, which keeps its velocity.
     contact : Contact, law or sequence of them
-        One contact for all pairs, or n of them; different kinds may be mixed. A user-defined law (an :class:`OwnLaw`,
-            or a
-        function or object from which an OwnLaw can be made) and a :class:`Coupler`, which also pulls, are allowed.
+        One contact for all pairs of neighbours, or n of them. Different kinds may be mixed. A :class:`Coupler`,
+        which also pulls, is allowed. A user-defined law is allowed as an :class:`OwnLaw`, or as a function or
+        object from which an OwnLaw can be made.
     gap : float or array_like, optional
-        Distance [m] between neighbours at the start, one for all or n of them. With 0 they just touch. Below 0 the
-        contact is compressed at the start, by the overlap -gap.
+        Distance [m] between neighbours at the start, one for all or n of them. With a gap of 0 two beads just
+        touch. A contact with a negative gap is compressed at the start, by the overlap -gap.
     drive : array_like, shape (n+1,), optional
-        Constant external force on each bead [N], or None; it acts from t = 0 on.
+        Constant external force on each bead [N], which acts from t = 0 on. None means no force.
     friction : float, optional
         Coulomb coefficient >= 0 of the bed. Friction holds a bead at rest with a force of up to
         ``friction * mass * GRAVITY`` and brakes a sliding bead with this force. It does not act on walls.
     forces : TimedForce or sequence of them, optional
-        Forces over time on chosen beads, which add to the drive.
+        Time-dependent forces on chosen beads. They add to the drive.
     brakes : TimedForce or sequence of them, optional
-        Brakes over time on chosen beads: friction of single beads in addition to the bed.
+        Time-dependent brakes on chosen beads. They act like friction, in addition to the bed.
     strings : float, optional
-        Length [m] of the strings on which all beads hang, as in a Newton's cradle; None without strings. Each bead swings
-        about its place at the start with the angular frequency ``sqrt(gravity / strings)``. This holds for small angles: the
-        period of a real pendulum is 1.7 % longer at 30 degrees, and 0.2 % at 10 degrees. A bead of infinite mass stays at
-        rest.
+        Length [m] of the strings on which all beads hang, as in a Newton's cradle. None means no strings. Each bead
+        swings about its place at the start with the angular frequency ``sqrt(gravity / strings)``. This formula
+        holds for small angles. The period of a real pendulum is longer, by 1.7 % at 30 degrees and by 0.2 % at 10
+        degrees. A bead of infinite mass stays at rest.
     gravity : float, optional
         Acceleration [m/s²] that acts on beads on strings.
 
     Raises
     ------
     ValueError
-        A number is out of range, a length is wrong, two walls are side by side, or beads on strings have a bed or brakes.
+        A number is out of range, a sequence has a wrong length, two walls are neighbours, or a chain on strings has
+        a bed or brakes.
 
     Examples
     --------
@@ -138,7 +140,7 @@ class Chain(Shown):
         object.__setattr__(self, "mass", masses)
         object.__setattr__(self, "contact", _checked_contacts(contact, n))
         object.__setattr__(self, "gap", _checked_gaps(gap, n))
-        # a drive of zeros counts as no drive
+        # A drive of zeros is stored as None.
         driven = None if drive is None else bead_forces("drive", drive, n + 1)
         object.__setattr__(self, "drive", None if driven is None or not driven.any() else tuple(driven.tolist()))
         object.__setattr__(self, "friction", magnitude("friction", friction, zero=True))
@@ -165,7 +167,7 @@ class Chain(Shown):
         return f"Chain({', '.join(parts)})"
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the fields for copies and pickles, without computed values."""
+        """Return the fields of the chain for copies and pickles, without the stored results of `per_chain`."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     @per_chain
@@ -180,12 +182,15 @@ class Chain(Shown):
 
     @per_chain
     def anchor(self) -> int:
-        """Index of the heaviest bead, or of a wall: the reference bead, whose position and velocity are in the State."""
+        """Index of the reference bead, whose position and velocity are stored in the State.
+
+        It is the heaviest bead, or a wall if there is one.
+        """
         return self.mass.index(max(self.mass))
 
     @per_chain
     def own_laws(self) -> tuple[OwnLaw, ...]:
-        """The different user-defined laws among the contacts, in order; empty without user-defined laws."""
+        """The different user-defined laws among the contacts, in the order of their first use."""
         return tuple(dict.fromkeys(law for _, law in self.own_contacts))
 
     @per_chain
@@ -200,7 +205,7 @@ class Chain(Shown):
 
     @per_chain
     def piecewise(self) -> tuple[tuple[int, PiecewiseContact], ...]:
-        """Index and contact of each contact that is defined by segments, such as a coupler."""
+        """Index and contact of each contact that is defined by segments. Couplers are such contacts."""
         return tuple((i, contact) for i, contact in enumerate(self.contact) if isinstance(contact, PiecewiseContact))
 
     @per_chain
@@ -210,7 +215,7 @@ class Chain(Shown):
 
     @per_chain
     def has_segments(self) -> bool:
-        """True if the graph of a contact has more segments than one law from overlap 0 on."""
+        """True if the force graph of any contact is more than a single law that starts at overlap 0."""
         return any(len(graph) > 1 or not graph[0].is_whole_law for graph in self.graphs)
 
     @per_chain
@@ -220,7 +225,7 @@ class Chain(Shown):
 
     @per_chain
     def power_laws(self) -> tuple[Contact, ...]:
-        """The contacts, if all are preloaded power laws.
+        """The contacts of a chain in which all contacts are preloaded power laws.
 
         Raises:
             ValueError: a contact is a coupler or has a user-defined law.
@@ -242,15 +247,16 @@ class Chain(Shown):
 
     @property
     def power_law_rows(self) -> Array:
-        """The `law_rows` of a chain with preloaded power laws only; otherwise a ValueError as for `power_laws`."""
+        """The `law_rows` of a chain in which all contacts are preloaded power laws. Other chains raise a ValueError."""
         assert self.power_laws
         return self.law_rows
 
     @per_chain
     def law_rows(self) -> Array:
-        """(n, 3) preload, stiffness and exponent of each contact, read-only; the last two are NaN for a user-defined law.
+        """Preload, stiffness and exponent of each contact, as a read-only array (n, 3).
 
-        For a contact with several segments they belong to the first pushing segment.
+        For a user-defined law, stiffness and exponent are NaN. For a contact with several segments, the values are
+        those of its first pushing segment.
         """
         laws = [contact.pushing[0] if isinstance(contact, PiecewiseContact) else contact for contact in self.contact]
         rows = [(c.preload, getattr(c, "stiffness", math.nan), getattr(c, "exponent", math.nan)) for c in laws]
@@ -258,28 +264,29 @@ class Chain(Shown):
 
     @per_chain
     def inverse_mass(self) -> Array:
-        """(n+1,) [1/kg], read-only; 0 for a wall."""
+        """(n+1,) inverse masses [1/kg], read-only; 0 for a wall."""
         return _read_only(1.0 / np.array(self.mass))
 
     @per_chain
     def finite_mass(self) -> Array:
-        """(n+1,) [kg], read-only; 0 for a wall, whose kinetic energy is not counted."""
+        """(n+1,) masses [kg], read-only. A wall has the value 0, because its kinetic energy is not counted."""
         return _read_only(np.array([mass if mass < math.inf else 0.0 for mass in self.mass]))
 
     def stored_energy(
         self, overlap: ArrayLike, power: Callable[..., Any] = np.power, force: ArrayLike | None = None
     ) -> Array:
-        """Return the energy (..., n) [J] in each contact at overlaps (..., n) [m]; see :meth:`Contact.energy` for `power`.
+        """Return the energy (..., n) [J] in each contact at overlaps (..., n) [m]; see :meth:`Contact.energy` for
+        `power`.
 
-        If the `force` (..., n) [N] of the contacts is given, a coupler that is stretched beyond its slack but does not
-        pull, because it has not coupled yet, stores no energy.
+        A coupler that has not coupled yet can be stretched beyond its slack without pulling. If the `force` (..., n)
+        [N] of the contacts is given, the energy of such a coupler is 0.
         """
         apart = np.asarray(overlap) <= 0.0
-        if not self.piecewise and apart.all():  # all contacts are open, as at the start and the end of most motions
+        if not self.piecewise and apart.all():  # All contacts are open at the start and at the end of most motions.
             return apart * np.zeros(self.contacts)
-        # all power laws at once; the other contacts are replaced below
+        # Compute all contacts as power laws at once. The energies of other contacts are replaced below.
         preload, stiffness, exponent = self.law_rows.T
-        if self.own_laws:  # their energy is computed below
+        if self.own_laws:  # The energy of user-defined laws is computed below.
             exponent = np.where(np.isnan(exponent), 1.0, exponent)
         found = stored_energy(preload, stiffness, exponent, overlap, power)
         for i, law in self.own_contacts:
@@ -288,26 +295,29 @@ class Chain(Shown):
             way = np.asarray(overlap)[..., i]
             found[..., i] = contact.stored_energy(way, power)
             if force is not None and contact.pulling:
-                # not coupled: beyond the slack, but without a pull
+                # These couplers have not coupled yet: they are stretched beyond their slack, but do not pull.
                 free = (way < contact.pulls_below) & (np.asarray(force)[..., i] >= 0.0)
                 found[..., i] = np.where(free, 0.0, found[..., i])
         return found
 
     @per_chain
     def inverse_reduced_mass(self) -> Array:
-        """(n,) 1/m_i + 1/m_(i+1) of the two beads of each contact [1/kg]: the diagonal of L = B M^-1 B^T."""
+        """(n,) inverse reduced masses 1/m_i + 1/m_(i+1) [1/kg] of the two beads of each contact.
+
+        They are the diagonal of the matrix L = B M^-1 B^T.
+        """
         return _read_only(self.inverse_mass[:-1] + self.inverse_mass[1:])
 
     @per_chain
     def loss(self) -> Array:
-        """(n,) loss of each contact."""
+        """(n,) fraction of the stored energy that each contact dissipates during unloading."""
         return _read_only(np.array([contact.loss for contact in self.contact]))
 
     @per_chain
     def bed(self) -> Array:
-        """(n+1,) deceleration [m/s²] of a sliding bead by the bed and the brakes; 0 for a wall, empty without both.
+        """(n+1,) deceleration [m/s²] of each sliding bead by the bed and the brakes; 0 for a wall.
 
-        Brakes over time count with their largest value.
+        Time-dependent brakes count with their largest value. The array is empty without bed and brakes.
         """
         bed = np.where(np.isfinite(self.mass), self.friction * GRAVITY, 0.0) if self.on_bed else np.zeros(0)
         for brake in self.brakes:
@@ -316,7 +326,7 @@ class Chain(Shown):
 
     @property
     def on_bed(self) -> bool:
-        """True if sliding beads are braked, by friction of the bed or by brakes."""
+        """True if friction of the bed or brakes decelerate sliding beads."""
         return self.friction > 0.0 or bool(self.brakes)
 
     @property
@@ -341,7 +351,7 @@ class Chain(Shown):
 
     @property
     def lasts(self) -> bool:
-        """True if an external force acts without end."""
+        """True if an external force acts until the end of time."""
         return self.drive is not None or any(item.lasts for item in self.forces)
 
     @per_chain
@@ -355,21 +365,23 @@ class Chain(Shown):
         return tuple(sorted({time for item in (*self.forces, *self.brakes) for time in item.time}))
 
     def impulse(self, time: ArrayLike) -> Any:
-        """Return the momentum [N s] that forces over time have given to the beads by `time` [s], any shape."""
+        """Return the momentum [N s] that time-dependent forces have transferred to the beads by `time` [s], any shape."""
         none = np.zeros(np.shape(time))
         return sum((item.impulse(time) * len(item.beads) for item in self.forces), none)
 
     @per_chain
     def knot_rows(self) -> tuple[Array, Array, Array]:
-        """Breakpoints (K,) [s], steps twice, with the forces (K, n+1) [N] and decelerations by brakes (K, n+1) [m/s²] there.
+        """Times (K,) [s] of all breakpoints, with the forces (K, n+1) [N] and the decelerations by brakes (K, n+1)
+        [m/s²].
 
-        Between two breakpoints both are linear. Without brakes the array of decelerations has 0 columns.
+        A step of a force appears as two breakpoints at the same time. Between two breakpoints, forces and decelerations
+        are linear in time. Without brakes the array of decelerations has 0 columns.
         """
         beads, jumps = self.contacts + 1, {item.time[0] for item in (*self.forces, *self.brakes)}
         jumps |= {a for item in (*self.forces, *self.brakes) for a, b in pairwise(item.time) if a == b}
-        # The first breakpoint counts as a step from 0. A step appears twice in the list of times.
+        # The first breakpoint is a step from force 0. A step appears twice in the list of times.
         times = sorted((*self.knots, *jumps))
-        # at a step, the first of its two times has the value just before it
+        # At a step, the first of the two equal times gets the value just before the step.
         just_before = [
             math.nextafter(a, -math.inf) if a in jumps and a == b else a for a, b in pairwise((*times, math.nan))
         ]
@@ -386,7 +398,7 @@ class Chain(Shown):
 
     @per_chain
     def drive_force(self) -> Array | None:
-        """(n+1,) the drive as a read-only array [N]; None for a chain without drive."""
+        """(n+1,) the drive [N] as a read-only array; None for a chain without drive."""
         return None if self.drive is None else _read_only(np.array(self.drive))
 
 
@@ -396,7 +408,10 @@ def _read_only(values: Array) -> Array:
 
 
 def _shortened(values: Sequence[object]) -> str:
-    """Return the values as text: a single value with the count if all are equal, otherwise the first values."""
+    """Return the values as a short text.
+
+    If all values are equal, the text contains one value and the count. Otherwise it contains the first values.
+    """
     if all(value == values[0] for value in values):
         return f"{len(values)} x {values[0]!r}"
     return f"[{', '.join(map(repr, values[:MOST_SHOWN]))}{', ...' if len(values) > MOST_SHOWN else ''}]"
@@ -438,7 +453,10 @@ def _checked_contacts(contact: Laws, n: int) -> tuple[Joint, ...]:
 
 
 def _contact(item: object) -> Joint:
-    """Return a Contact or a contact of several segments unchanged, and a user-defined law as an OwnLaw."""
+    """Convert a contact to the form in which a chain stores it.
+
+    A Contact or a contact of several segments is returned unchanged. A user-defined law is returned as an OwnLaw.
+    """
     if isinstance(item, Joint):
         return item
     if is_law(item):
@@ -489,12 +507,18 @@ def bead_forces(what: str, forces: ArrayLike, beads: int) -> Array:
 
 
 def one_on(n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
-    """Return a striker and a target cluster of `n` >= 1 beads, all just touching; Fig. 1. `mass` [kg]: one for all or n+1."""
+    """Return a chain of one striker and a target cluster of `n` >= 1 beads, Fig. 1. All neighbours just touch.
+
+    `mass` [kg] is one number for all beads, or n+1 numbers.
+    """
     return cluster_on_cluster(1, n, contact, mass)
 
 
 def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> Chain:
-    """Return `m` >= 1 beads that strike `n` >= 1 beads, all just touching; Appendix A (ii). `mass` [kg]: one for all or m+n."""
+    """Return a chain of `m` >= 1 strikers and `n` >= 1 targets, Appendix A (ii). All neighbours just touch.
+
+    `mass` [kg] is one number for all beads, or m+n numbers.
+    """
     m, n = whole_number(N_("the number of strikers"), m), whole_number(N_("the number of targets"), n)
     if m < 1 or n < 1:
         raise InputError("cluster", "a cluster needs at least one bead, not {given}", given=min(m, n))
@@ -514,9 +538,10 @@ def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> 
 
 
 def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
-    """Return the (n,) mass [kg] that each contact accelerates: all beads beyond it, seen from contact `struck`, Eq. (5).
+    """Return the (n,) mass [kg] that each contact accelerates, Eq. (5).
 
-    The contact `struck` itself accelerates the beads to its right.
+    It is the mass of all beads that lie beyond the contact, seen from contact `struck`. The contact `struck` itself
+    accelerates the beads on its right.
     """
     masses = np.asarray(mass, dtype=np.float64)
     right, left = np.cumsum(masses[::-1])[::-1][1:], np.cumsum(masses)[:-1]
@@ -524,9 +549,10 @@ def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
 
 
 def mass_shares(mass: ArrayLike, struck: int) -> Array:
-    """Return the (n,) contact forces relative to contact `struck` if both sides move as rigid bodies, Eq. (5).
+    """Return the (n,) contact forces, divided by the force of contact `struck`, Eq. (5).
 
-    A contact with a wall beyond it transmits all of the force, so its share is 1.
+    Both sides are assumed to move as rigid bodies. If a wall lies beyond a contact, the contact transmits the whole
+    force, so its value is 1.
 
     >>> mass_shares([1.0, 1.0, 1.0, 1.0, 1.0], 0)
     array([1.  , 0.75, 0.5 , 0.25])

@@ -1,5 +1,7 @@
-"""Validation of numbers from users: converted to floats and arrays, or rejected with a sentence about allowed and given
-values.
+"""Validation of numbers from users.
+
+Valid numbers are converted to floats and arrays. For other values, the error message contains the allowed values and
+the given value.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from softcradle.physics.messages import InputError
 
-# Range of a mass, speed, force etc. Products of numbers beyond it would leave the range of floats.
+# Smallest and largest valid mass, speed, force etc. Products of numbers outside this range could overflow or underflow.
 SMALLEST, LARGEST = 1e-30, 1e30
 
 
@@ -27,8 +29,9 @@ def real_number(what: str, value: object) -> float:
 
 
 def magnitude(what: str, value: object, zero: bool = False) -> float:
-    """Return `value` as a float > 0, or >= 0 if `zero`. Raise ValueError if it is not, or beyond the range SMALLEST to
-    LARGEST.
+    """Return `value` as a float > 0, or >= 0 if `zero` is True.
+
+    Raise ValueError if the value has a wrong sign or lies outside the range from SMALLEST to LARGEST.
     """
     number = real_number(what, value)
     if (zero and number == 0.0) or SMALLEST <= number <= LARGEST:
@@ -52,7 +55,7 @@ def magnitude(what: str, value: object, zero: bool = False) -> float:
 
 
 def number_array(what: str, value: ArrayLike) -> NDArray[np.float64]:
-    """Return `value` as an array of floats of any shape. Raise ValueError if that is not possible."""
+    """Return `value` as an array of floats of any shape. Raise ValueError if it cannot be converted."""
     try:
         found = np.asarray(value)
         if found.dtype.kind in "biufO":
@@ -88,7 +91,10 @@ def finite_or_none(value: Any) -> float | None:
 
 
 def shown(value: Any) -> str | float:
-    """Return `value` for a message: a number without its NumPy type, anything else as text. Long texts are shortened."""
+    """Return `value` for use in a message.
+
+    A NumPy number becomes a plain number. Other values become text, and long texts are shortened.
+    """
     plain = value.item() if isinstance(value, np.generic) else value
     if isinstance(plain, float):
         return plain

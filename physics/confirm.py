@@ -1,16 +1,19 @@
-"""Runner of the adaptive methods: one integration, an error estimate and, if that is not sufficient, finer runs that
-confirm it.
+"""Runner of the adaptive methods: one integration and an error estimate. If the estimate is not sufficient, further
+runs with smaller tolerances confirm the result.
 
     one run          estimates DOUBT * amplification * sqrt(sum of squared local errors, neglected bounces and
         round-off)
     amplification    above MOST_GROWN, a finer run of a slightly perturbed chain must agree, see `verdict`
     chattering       if following each bounce does not pay any more, several runs of `conserving` finish the motion
 
-In the random chains of `benchmarks scan`, no run whose errors were amplified by less than MOST_GROWN had an undetected
-error. A small estimate is not sufficient: draft gears far below their preload do not make local errors, but round-off
-decides which of them yields. Thousands of bounces at a millionth of the closing speed determine no digit of the end
-that a finer run could confirm. Each step of the discrete gradient keeps energy and momentum, so `conserving` finishes
-such a motion in bounded time. The difference between its runs with unlike steps shows how well the end is determined.
+In the random chains of `benchmarks scan`, no run with an error amplification below MOST_GROWN had an undetected error.
+A small error estimate alone is not sufficient. For example, draft gears far below their preload do not produce local
+errors, but round-off decides which of them yields.
+
+Some motions end with thousands of bounces at a millionth of the closing speed. These bounces do not determine any digit
+of the end that a finer run could confirm. The method `conserving` finishes such a motion in bounded time, because each
+of its steps conserves energy and momentum. Several of its runs with different steps are compared. Their difference
+shows how well the end is determined.
 """
 
 from __future__ import annotations
@@ -47,26 +50,27 @@ Array = NDArray[np.float64]
 
 # Confirmation by finer runs
 FINER = 10.0  # Ratio of the tolerances of successive runs
-# Smallest confirmed error, as a fraction of the estimate of the first run. It protects from two runs that agree by
-# chance or because both damp a motion that neither resolves. The estimate of the first run is often ten times too large.
-# In `benchmarks scan`, three chains would have undetected errors without this bound: `extreme` 855 at 1e-6, `clusters`
-# 76 at 1e-4 and `one-on-n` 1747 at 1e-8.
+# Lower limit of the reported error after further runs have confirmed it, as a fraction of the error estimate of the
+# first run. Two runs may agree by chance, or because both damp a motion that neither of them resolves. The estimate of
+# the first run is often ten times too large. In `benchmarks scan`, three chains would have undetected errors without
+# this limit: `extreme` 855 at 1e-6, `clusters` 76 at 1e-4 and `one-on-n` 1747 at 1e-8.
 LEAST_OF_ESTIMATE = 0.1
 # Runs of `conserving` that finish a motion
 STEP_PART = 0.25  # Longest step of these runs, as a fraction of the default step
-# The same as a fraction of the elapsed time of the motion; the longer one counts. The number of steps stays bounded.
+# Longest step as a fraction of the elapsed time of the motion. The longer of both limits applies, so that the number of
+# steps stays bounded.
 ELAPSED_PART = 1.0 / 1500.0
-# Step of each run, as a fraction of the longest step. The fractions are unlike so that the runs differ; the last run
-# gives the result.
+# Step of each run, as a fraction of the longest step. The fractions are irregular to make the runs different. The last
+# run provides the result.
 PARTS = (1.0, 0.83, 0.61, 0.5)
-# Steps of such a run after which its step length doubles, so that a long end takes only few more steps
+# Number of steps after which such a run doubles its step length. A long motion then takes only few more steps.
 STEPS_ALIKE = 12_000
 # Energy balance
-SOFTEST = 0.02  # Exponent of contacts below which the energy balance bounds the error as well
-# Steps of a run above which its error is at least what the change of its energy shows. Local errors of many similar
-# bounces have one sign, so their sum is larger than the root of the sum of their squares.
+SOFTEST = 0.02  # Exponent of contacts below which the energy balance also limits the error
+# Number of steps above which the change of energy gives a lower limit of the error. Local errors of many similar
+# bounces have the same sign. Their sum is then larger than the root of the sum of their squares.
 LONG_RUN = 10_000
-MOST_ENERGY = 100.0  # Largest relative error of the energy without a warning, in tolerances
+MOST_ENERGY = 100.0  # Largest relative error of the energy that is accepted without a warning, in tolerances
 
 # Statuses of a run whose end is less accurate than the tolerance
 UNCERTAIN = (Status.UNDETERMINED, Status.BUDGET_SPENT)
@@ -75,17 +79,17 @@ advance = adaptive.advance
 
 
 def run(problem: Problem) -> Record:
-    """Compute the whole motion and confirm its end; ``problem.state`` stays unchanged."""
-    adaptive.KERNELS.load_made()  # the measured cost should not contain the time to load kernels
+    """Compute the whole motion, and confirm its end by further runs if necessary. ``problem.state`` stays unchanged."""
+    adaptive.KERNELS.load_made()  # Load the kernels now. The measured cost should not include the loading time.
     record = to_its_end(problem)
     if problem.most_steps is None:
         record = confirmed(problem, record)
-    # Samples are taken from the confirmed run only.
+    # Only the confirmed run provides samples.
     if record.kept is not None:
         began = perf_counter()
         record = sampled(record, problem.sample_times(record.end.time))
         record.seconds += perf_counter() - began
-    # The energy balance reveals errors that all runs have in common; energy and momentum also limit the error.
+    # The energy balance reveals errors that all runs have in common. Energy and momentum also limit the error.
     before, change = _ledger(problem, record)
     record.velocity_error = record.velocity_error + _unresolved(problem.chain, change)
     if record.steps > LONG_RUN:
@@ -99,7 +103,8 @@ def run(problem: Problem) -> Record:
 
 
 def to_its_end(problem: Problem) -> Record:
-    """Run to the end of the problem; if the method gives up because contacts chatter, `conserving` finishes the motion.
+    """Run to the end of the problem. If the adaptive method gives up because contacts chatter, `conserving` finishes
+    the motion.
 
     Samples are computed later.
     """
@@ -111,16 +116,16 @@ def to_its_end(problem: Problem) -> Record:
 
 
 class Run(NamedTuple):
-    """The numbers of one run that its confirmation needs.
+    """Data of one run that are needed to confirm its result.
 
     Attributes:
-        tolerance: its tolerance.
-        velocity: (n+1,) bead velocities [m/s] at its end.
-        estimate: (n+1,) error [m/s] of these that the run estimates itself.
-        growth: its error amplification.
-        steps: its number of steps.
-        spent: True if its step budget ended before the motion, so that `conserving` finished it.
-        warns: True if the run gave up, or could not log all its switches.
+        tolerance: tolerance of the run.
+        velocity: (n+1,) bead velocities [m/s] at the end of the run.
+        estimate: (n+1,) error [m/s] of these velocities, as estimated by the run itself.
+        growth: error amplification of the run.
+        steps: number of steps of the run.
+        spent: True if the step budget ended before the motion. In this case `conserving` finished the motion.
+        warns: True if the run gave up, or could not log all contact switches.
     """
 
     tolerance: float
@@ -133,7 +138,7 @@ class Run(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """The wanted accuracy of a motion: the tolerance, the speed scale [m/s] that it is relative to, and the usual step
+    """Wanted accuracy of a motion: the tolerance, the speed scale [m/s] to which it is relative, and the usual step
     budget.
     """
 
@@ -143,13 +148,13 @@ class Aim(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """The conclusion from the runs of a motion.
+    """Conclusion from all runs of one motion so far.
 
     Attributes:
-        enough: False if a finer run is needed; the other attributes are then unused.
-        run: index of the run that is the result.
-        error: (n+1,) its estimated error [m/s]; None if its own estimate is valid.
-        status: its status; None if its own status is valid.
+        enough: False if another run with a smaller tolerance is needed. The other attributes are then unused.
+        run: index of the run whose result is used.
+        error: (n+1,) estimated error [m/s] of the result; None if the run's own estimate is valid.
+        status: status of the result; None if the run's own status is valid.
     """
 
     enough: bool
@@ -159,12 +164,12 @@ class Verdict(NamedTuple):
 
 
 def confirmed(problem: Problem, first: Record) -> Record:
-    """Return the record of the motion that starts with the run `first`. Add finer runs until they are enough.
+    """Confirm the result of the run `first`, and return the record of the motion.
 
-    The record has the cost of all runs.
+    Runs with smaller tolerances are added until no further run is needed. The record contains the cost of all runs.
     """
     records, runs = [first], [_run_of(first, problem.tolerance)]
-    # Most motions need a single run, for which a budget would cost as much as some steps.
+    # Most motions need a single run. Computing the step budget would cost as much as some steps, so it is skipped.
     if _is_enough(runs[0]):
         return first
     aim = Aim(problem.tolerance, problem.scale, usual_steps(problem, problem.end))
@@ -191,17 +196,17 @@ def _run_of(record: Record, tolerance: float) -> Run:
 
 
 def finer_tolerance(tolerance: float) -> float | None:
-    """Return the tolerance of the next finer run; None if round-off allows no finer one."""
+    """Return the tolerance of the next run, or None if round-off does not allow a smaller tolerance."""
     finer = max(tolerance / FINER, ROUND_OFF)
-    # Two runs at about the same tolerance agree, whatever their error is.
+    # Two runs with nearly equal tolerances agree even if both are wrong.
     return finer if finer < 0.5 * tolerance else None
 
 
 def verdict(aim: Aim, runs: Sequence[Run]) -> Verdict:
-    """Decide from the runs of a motion whether another one is needed, and otherwise which one is the result.
+    """Decide from the runs of a motion if another run is needed. If not, select the run whose result is used.
 
-    The first run has the tolerance of the `aim`, and each later one is finer than the one before. *Apart* is the largest
-    difference between the final velocities of the last two runs.
+    The first run has the tolerance of the `aim`. Each later run has a smaller tolerance than the one before it. In the
+    table, *apart* is the largest difference between the final velocities of the last two runs.
 
     ===========================================  ============================  =====================
     situation                                    result                        its error
@@ -216,14 +221,14 @@ def verdict(aim: Aim, runs: Sequence[Run]) -> Verdict:
     no finer run possible, beyond the guarantee  the last run, undetermined    from the difference
     ===========================================  ============================  =====================
 
-    No confirmed error is smaller than LEAST_OF_ESTIMATE times the estimate of the first run. A finer run is possible
-    until round-off limits its tolerance or all runs together have used the usual step budget.
+    A confirmed error is at least LEAST_OF_ESTIMATE times the error estimate of the first run. A finer run is possible
+    until round-off limits its tolerance, or until all runs together have used the usual step budget.
     """
     first, last, at = runs[0], runs[-1], len(runs) - 1
     finer = finer_tolerance(last.tolerance)
     if at == 0:
         return Verdict(enough=_is_enough(last))
-    # The difference shows how much the errors of both runs are amplified.
+    # The difference between the last two runs shows how much the errors of both are amplified.
     difference, allowed = np.abs(last.velocity - runs[-2].velocity), max(aim.tolerance, LEAST_GUARANTEED) * aim.scale
     error = np.maximum(_error_of(difference), LEAST_OF_ESTIMATE * first.estimate)
     if last.spent:
@@ -236,26 +241,26 @@ def verdict(aim: Aim, runs: Sequence[Run]) -> Verdict:
 
 
 def _is_enough(first: Run) -> bool:
-    """Return True if the first run of a motion needs no other run."""
+    """Return True if the result of the first run needs no confirmation by another run."""
     return first.growth <= MOST_GROWN or first.spent or first.warns or finer_tolerance(first.tolerance) is None
 
 
 def _error_of(apart: Array) -> Array:
-    """Return the estimated error of runs whose ends differ by `apart` (n+1,) [m/s].
+    """Return the estimated error of two runs whose final velocities differ by `apart` (n+1,) [m/s].
 
-    The difference of one bead may be small by chance, so the largest difference of all beads is a lower limit. Without
-    it, the estimate of one bead of `clusters` 323 in `benchmarks scan` would be seven times too small at 1e-8.
+    The difference of a single bead may be small by chance. Therefore the largest difference of all beads is used as a
+    lower limit. Without this limit, the estimate for one bead of chain `clusters` 323 in `benchmarks scan` would be
+    seven times too small at a tolerance of 1e-8.
     """
     return np.maximum(DOUBT * apart, apart.max())
 
 
 def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> Problem:
-    """Return the problem with another tolerance and a chain that is perturbed by a fraction of it. `other` fields
-    replace its own.
+    """Return the problem with another tolerance and a slightly perturbed chain.
 
-    Steps between sharp events (jumps of a force) are the same at all tolerances, so two runs of one chain have the same
-    errors; so do two runs with the same perturbation. Therefore the sign of the perturbation alternates with the number
-    of `runs`.
+    The perturbation is a fraction of the tolerance. `other` fields replace those of the problem. Steps between jumps of
+    a force are the same at all tolerances. Two runs of the same chain would then have the same errors, and so would two
+    runs with the same perturbation. Therefore the sign of the perturbation alternates with the number of `runs`.
     """
     chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
     # Rates are perturbed as well, by a few units of round-off.
@@ -264,11 +269,11 @@ def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> 
 
 
 def _shaken(chain: Chain, part: float) -> Chain:
-    """Return the chain with forces perturbed by the fraction `part`; with user-defined laws, masses are perturbed
+    """Return the chain with forces perturbed by the fraction `part`. With user-defined laws, perturb the masses
     instead.
 
-    Forces are preferred, because they hardly change the phase of a bead that is pressed from both sides; masses do.
-    The heaviest bead stays the heaviest, because a State stores its velocity.
+    Perturbed forces are preferred: they hardly change the oscillation phase of a bead that is pressed from both sides.
+    Perturbed masses do change it. The heaviest bead stays the heaviest, because a State stores its velocity.
     """
     if not chain.own_laws:
         factors = _up_and_down(part, chain.contacts).tolist()
@@ -300,7 +305,7 @@ def _times(contact: Contact, factor: float) -> Contact:
 
 
 def _scaled(number: float, factor: float) -> float:
-    """Return the number multiplied by `factor`, within the range that a chain accepts; 0 stays 0."""
+    """Return the number multiplied by `factor`, limited to the range that a chain accepts. The result for 0 is 0."""
     return number and min(max(number * factor, SMALLEST), LARGEST)
 
 
@@ -315,24 +320,27 @@ def _up_and_down(part: float, size: int) -> Array:
 
 
 def _finished(problem: Problem, given_up: Record) -> Record:
-    """Return the whole record of a motion that the adaptive method gave up at ``given_up.end``. Its error is the spread
-    of several runs.
+    """Finish a motion that the adaptive method gave up at ``given_up.end``, and return the record of the whole motion.
+
+    The method `conserving` computes the rest in several runs. The error is the spread of their results.
     """
-    # Longest step: short compared with a contact, but long enough that the number of steps stays bounded.
+    # The longest step is short compared with a contact, but long enough to keep the number of steps bounded.
     start = given_up.end
     elapsed = start.time - problem.state.time
     step = STEP_PART * default_step(problem.chain, problem.velocity, touching=True)
     step = max(step, ELAPSED_PART * elapsed)
-    # Several runs of `conserving` with unlike steps, in parallel.
+    # Several runs of `conserving` with different steps, in parallel.
     with ThreadPoolExecutor(min(len(PARTS), os.cpu_count() or 1)) as threads:
         ends = list(threads.map(lambda part: _run_on(problem, start, part * step, problem.end, NO_TIMES), PARTS))
-    # The spread of their ends, plus rates whose sign is the same in all runs by the nature of the method.
+    # The error is the spread of the final velocities. Add those rates whose sign is the same in all runs because of the
+    # method.
     velocities = np.array([end.velocity for end in ends])
     spread = _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
-    # The error of the run before is reliable if it is hardly amplified, and often ten times too large otherwise.
+    # The error estimate of the adaptive run is reliable if its amplification is small. Otherwise it is often ten times
+    # too large.
     part = 1.0 if given_up.growth <= MOST_GROWN else LEAST_OF_ESTIMATE
     error = part * given_up.velocity_error + spread
-    # Samples before the switch come from the adaptive run, the others from the last run of `conserving`.
+    # Samples before the change of method come from the adaptive run. The last run of `conserving` provides the others.
     times, last = problem.sample_times(ends[-1].end.time), ends[-1]
     early, late = times[times <= start.time], times[times > start.time]
     if (late < last.end.time).any():
@@ -351,10 +359,11 @@ def _finished(problem: Problem, given_up: Record) -> Record:
 
 
 def _rattling(chain: Chain, end: State) -> Array:
-    """Return (n+1,) the largest rate [m/s] of a contact at each bead that touches under load: its sign is not reliable.
+    """Return for each bead (n+1,) the largest rate [m/s] of its contacts that touch under load. The sign of this rate
+    is unreliable.
 
-    A step of the discrete gradient that starts and ends at the touching position ends with the opposite rate. So all
-    runs may agree in the sign of this rate.
+    If a step of the discrete gradient starts and ends at the touching position, it reverses the rate. All runs may
+    therefore agree in the sign of this rate, although it is wrong.
     """
     pulls_below = np.full(chain.contacts, -np.inf)
     for i, contact in chain.piecewise:
@@ -365,13 +374,13 @@ def _rattling(chain: Chain, end: State) -> Array:
 
 
 def _run_on(problem: Problem, start: State, step: float, end: float, times: Array) -> Record:
-    """Run `conserving` from `start` to `end`, with a step length that doubles after every STEPS_ALIKE steps."""
+    """Run `conserving` from `start` to `end`. The step length doubles after every STEPS_ALIKE steps."""
     state, left = start, times
     records: list[Record] = []
     # Each part runs at most STEPS_ALIKE steps; the next part has twice the step length.
     while not records or records[-1].status.gave_up:
         duration = None if np.isinf(end) else end - state.time
-        if duration is not None and state.time + duration < end:  # the last sample is at the end
+        if duration is not None and state.time + duration < end:  # The last sample lies at the end.
             duration = float(np.nextafter(duration, np.inf))
         samples = left if left.size else 2
         part = Problem(
@@ -379,14 +388,14 @@ def _run_on(problem: Problem, start: State, step: float, end: float, times: Arra
         )
         found = fixed_step.run(part)
         records.append(replace(found, samples=first_samples(found.samples, left.size)))
-        left = left[records[-1].samples.time.size :]  # samples within the step after the last one are included
+        left = left[records[-1].samples.time.size :]  # Samples within the last step of the previous part are included.
         state, step = found.end, 2.0 * step
     starts = [start.time, *(record.end.time for record in records[:-1])]
     return records[0] if len(records) == 1 else _in_a_row(problem.chain, starts, records)
 
 
 def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Record:
-    """Join the records of consecutive runs, each with its start time [s], into one."""
+    """Join the records of consecutive runs into one record. `starts` contains the start time [s] of each run."""
     closed, switches = np.zeros(chain.contacts, dtype=bool), []
     for start, record in zip(starts, records, strict=True):
         switches += _continued_switches(closed, start, record)
@@ -404,11 +413,11 @@ def _in_a_row(chain: Chain, starts: list[float], records: list[Record]) -> Recor
 
 
 def _continued_switches(closed: NDArray[np.bool_], start: float, record: Record) -> list[tuple[int, float]]:
-    """Return (contact, time) of the switches in the `record` of a run that continues another at `start` [s]. Updates
-    `closed` (n,).
+    """Return the (contact, time) pairs of the switches in a run that continues another run at time `start` [s].
 
-    A run logs closed contacts as closing at its start. Contacts that were `closed` before have not switched then.
-    Contacts that were closed and are not logged have opened.
+    `closed` (n,) contains the contacts that were closed before, and is updated. At its start, a run logs every closed
+    contact as closing. A contact that was `closed` before has not switched then. A contact that was closed and is not
+    logged has opened.
     """
     begun, now = np.zeros(closed.size, dtype=bool), np.zeros(closed.size, dtype=bool)
     kept = []
@@ -428,12 +437,13 @@ def _continued_switches(closed: NDArray[np.bool_], start: float, record: Record)
 
 
 def _bound_by_energy(problem: Problem, record: Record) -> None:
-    """Limit the estimated error to what energy and momentum allow. If this limit is below the tolerance, the motion is
-    determined.
+    """Limit the estimated error to the largest error that energy and momentum allow.
+
+    If this limit is below the tolerance, the status of the motion becomes DONE.
     """
     if is_possible(problem.chain, problem.state, max(record.velocity_error.tolist())):
         return
-    # The bound of each bead; a motion whose bounds are below the tolerance is determined.
+    # Each bead has its own limit. If all limits are below the tolerance, the motion is determined.
     most = largest_error(problem.chain, problem.state, record.end)
     record.velocity_error = np.minimum(record.velocity_error, most)
     if record.status in UNCERTAIN and most.max() <= problem.tolerance * problem.scale:
@@ -441,11 +451,12 @@ def _bound_by_energy(problem: Problem, record: Record) -> None:
 
 
 def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
-    """Return the energy [J] of a chain at the start, and its error at the end; both 0 if external work is done on the
-    chain.
+    """Return the energy [J] of a chain at the start, and the error of the energy [J] at the end.
+
+    Both are 0 if external work is done on the chain.
     """
     chain, start, end = problem.chain, problem.state, record.end
-    # Without external work the energy must stay constant; otherwise it is not checked.
+    # Without external work, the energy must stay constant. With external work, it is not checked.
     wall_moves = chain.walls > 0 and bool((np.isinf(chain.mass) & (problem.velocity != 0.0)).any())
     if wall_moves or chain.forces or start.external(chain) is not None:
         return 0.0, 0.0
@@ -455,9 +466,10 @@ def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
 
 
 def _least_error(chain: Chain, energy: float, change: float) -> float:
-    """Return an error [m/s] of the bead velocities that explains the `change` [J] of the `energy` [J].
+    """Return an error [m/s] of the bead velocities that can explain the `change` [J] of the `energy` [J].
 
-    Errors up to e change the kinetic energy by at most e times the sum of m abs(v), where sqrt(m) abs(v) <= sqrt(2 E).
+    Velocity errors up to e change the kinetic energy by at most e times the sum of m abs(v) over all beads. Here
+    sqrt(m) abs(v) <= sqrt(2 E) for each bead.
     """
     if not energy > 0.0:
         return 0.0
@@ -465,18 +477,18 @@ def _least_error(chain: Chain, energy: float, change: float) -> float:
 
 
 def _unresolved(chain: Chain, change: float) -> float:
-    """Return the velocity [m/s] that the energy `change` of a run corresponds to if contacts are so soft that they
-    chatter, else 0.
+    """Return the velocity [m/s] that corresponds to the energy error `change` [J] of a run.
 
-    A cluster of such contacts is nearly rigid. Chattering far below the closing speed can be damped in every run alike,
-    so that no comparison shows it. Its energy is then only known to be at most the error of the energy balance.
+    The result is 0 unless contacts are so soft that they chatter. A cluster of such contacts is nearly rigid.
+    Chattering far below the closing speed can be damped equally in every run, so a comparison of runs does not show it.
+    Its energy is at most the error of the energy balance.
     """
     return float(np.sqrt(2.0 * change * chain.inverse_reduced_mass.max())) if _rattles(chain) else 0.0
 
 
 @per_chain
 def _rattles(chain: Chain) -> bool:
-    """Return whether contacts are so soft that a cluster of them chatters."""
+    """Return True if contacts are so soft that a cluster of them chatters."""
     return any(preload == 0.0 and exponent < SOFTEST for preload, _, exponent in law_rows(chain).tolist())
 
 
@@ -489,7 +501,9 @@ def _energy_warning(problem: Problem, error: float) -> CodedWarning:
 
 
 def _uncertain_warning(record: Record) -> CodedWarning:
-    """Return the warning that the end of a motion is less accurate than the tolerance, with its cause and its error."""
+    """Return the warning that the end of a motion is less accurate than the tolerance. It contains the cause and the
+    error.
+    """
     worst = float(record.velocity_error.max())
     if record.status == Status.UNDETERMINED:
         sentence = f"final velocities are determined to {worst:.1g} m/s only: finer runs differ by as much"

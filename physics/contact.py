@@ -1,13 +1,14 @@
-"""Contact law: one preloaded power law describes every contact of the paper and the railway draft gear.
+"""Contact law. A preloaded power law describes every contact of the paper, including the railway draft gear.
 
 overlap d < 0   open      f = 0
 overlap d = 0   touching  f anywhere in [0, F]   (Signorini condition: the motion determines f)
 overlap d > 0   loaded    f = F + K * d**a
 
-A contact is closed if it touches with a force > 0 or is loaded; otherwise it is open.
+Here f is the force, d the overlap, F the preload, K the stiffness and a the exponent. A contact is closed if it touches
+with a force > 0 or is loaded. Otherwise it is open.
 
-A contact with loss l has hysteresis: it returns less energy than it stores. It pushes with f during loading, with
-(1 - l) f during unloading, and with any force between both while its overlap is constant.
+A contact with loss l has hysteresis: it returns less energy than it stores. It pushes with f during loading and with (1
+- l) f during unloading. While its overlap is constant, it pushes with any force between these two.
 """
 
 from __future__ import annotations
@@ -28,14 +29,15 @@ from softcradle.physics.segments import Segment
 Numbers = NDArray[np.float64] | float
 P = ParamSpec("P")
 
-# Smallest exponent. Below it the force at any overlap equals that of step_force to all digits that the methods keep.
+# Smallest exponent. With a smaller exponent, the force would equal that of step_force to all digits that the methods
+# resolve.
 LEAST_EXPONENT = 1e-6
-# Largest exponent. The methods were tested up to here; from 16 on, a slightly pressed contact never opens again in
-# floating-point numbers.
+# Largest exponent for which the methods were tested. With exponents of 16 and more, a slightly compressed contact never
+# opens again because of the limits of floating-point numbers.
 MOST_EXPONENT = 10.0
 
 NO_FORCE = Message("no_force", "contact preload and stiffness are both 0: the contact would never push")
-# Names of the numbers of a contact in messages.
+# Names of the parameters of a contact in error messages.
 NUMBERS = {
     "preload": N_("contact preload"),
     "stiffness": N_("contact stiffness"),
@@ -46,19 +48,21 @@ NUMBERS = {
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A contact that only pushes: ``force = preload + stiffness * overlap**exponent`` while the beads overlap.
+    """A contact that only pushes. While the beads overlap, ``force = preload + stiffness * overlap**exponent``.
 
     Parameters
     ----------
     preload : float
-        Force F at which the contact begins to yield [N]; 0 for beads, ``k * precompression`` for a draft gear.
+        Force F [N] at which the contact begins to yield. It is 0 for beads, and ``k * precompression`` for a draft
+        gear.
     stiffness : float
-        Factor K of the power [N / m**exponent]; 0 for the step force.
+        Factor K of the power law [N / m**exponent]. It is 0 for the step force.
     exponent : float
-        Power a of the overlap, from 1e-6 to 10; alpha in Eq. (2), 1 for Hooke and draft gear, 3/2 for Hertz.
+        Exponent a of the overlap, from 1e-6 to 10; alpha in Eq. (2). It is 1 for Hooke's law and draft gears, and
+        3/2 for Hertz's law.
     loss : float, optional
-        Fraction l in [0, 1) of the stored energy that the contact dissipates during unloading; 0 is elastic. For a
-        coefficient of restitution e it is ``1 - e**2``.
+        Fraction l in [0, 1) of the stored energy that the contact dissipates during unloading. With 0 the contact
+        is elastic. For a coefficient of restitution e, the loss is ``1 - e**2``.
 
     Raises
     ------
@@ -77,7 +81,7 @@ class Contact:
     loss: float = 0.0
 
     def __post_init__(self) -> None:
-        # a frozen dataclass can only be changed in this way
+        # The dataclass is frozen, so its fields can only be set in this way.
         for name in ("preload", "stiffness"):
             object.__setattr__(self, name, magnitude(NUMBERS[name], getattr(self, name), zero=True))
         for name in ("exponent", "loss"):
@@ -103,24 +107,27 @@ class Contact:
     def by_contact_time(
         cls, duration: float, mass: float, speed: float, exponent: float = 1.5, loss: float = 0.0
     ) -> Contact:
-        """Return the contact without preload that lasts `duration` when two bodies collide.
+        """Return the contact without preload whose contact time is `duration` when two bodies collide.
 
         The contact time is ``T = (1 + 1/sqrt(1-l)) (d_max/v) B(1/p, 1/2)/p`` with ``p = 1 + exponent`` and the largest
-        overlap ``d_max = (p mass speed**2 / (2 K))**(1/p)``. This equation is solved for K. A Hooke contact (exponent
-        1) lasts equally long at any speed, half a period: ``1 / (2 frequency)``.
+        overlap ``d_max = (p mass speed**2 / (2 K))**(1/p)``. These equations are solved for K. A Hooke contact
+        (exponent 1) has the same contact time at any speed, half a period of its oscillation: ``1 / (2 frequency)``.
 
         Parameters
         ----------
         duration : float
             Contact time T > 0 [s].
         mass : float
-            Reduced mass m1 m2 / (m1 + m2) > 0 [kg]: half the mass of two equal balls, or the mass of a ball at a wall.
+            Reduced mass m1 m2 / (m1 + m2) > 0 [kg]. For two equal balls it is half the mass of a ball. For a ball that
+            hits a wall it is the mass of the ball.
         speed : float
             Relative speed v > 0 before the collision [m/s].
         exponent : float, optional
-            3/2: Hertz; 1: Hooke; 1/10: a power law with which a row of beads moves like a rigid body.
+            Exponent of the power law: 3/2 for Hertz's law and 1 for Hooke's law. With 1/10, a row of beads moves nearly
+            like a rigid body.
         loss : float, optional
-            Fraction l of the energy that the contact dissipates: a ball rebounds with ``sqrt(1 - loss)`` of its speed.
+            Fraction l of the energy that the contact dissipates. A ball rebounds from a wall with ``sqrt(1 - loss)`` of
+            its speed.
 
         Raises
         ------
@@ -136,9 +143,9 @@ class Contact:
         unit = cls(0.0, 1.0, exponent, loss)
         power = 1.0 + unit.exponent
         way = math.sqrt(math.pi) * math.gamma(1.0 / power) / (power * math.gamma(1.0 / power + 0.5))  # B(1/p, 1/2) / p
-        # largest overlap, from the equation for T
+        # Largest overlap, computed from the equation for T.
         depth = time * v / (way * (1.0 + 1.0 / math.sqrt(1.0 - unit.loss)))
-        # ln K, from the equation for d_max; it is limited to what a float can represent
+        # ln K, computed from the equation for d_max. It is limited to values whose exponential is a valid float.
         exact = math.log(0.5 * power * mu) + 2.0 * math.log(v) - power * math.log(depth)
         return cls(0.0, math.exp(min(max(exact, -700.0), 700.0)), exponent, loss)
 
@@ -152,8 +159,8 @@ class Contact:
     ) -> Contact:
         """Return the Hertz contact of two elastic spheres: ``stiffness = 4/3 E sqrt(R)``, ``exponent = 3/2``.
 
-        With ``1/E = (1 - nu1**2) / E1 + (1 - nu2**2) / E2`` and ``1/R = 1/R1 + 1/R2``. Each argument is one number for
-        both spheres or a pair of numbers.
+        Here ``1/E = (1 - nu1**2) / E1 + (1 - nu2**2) / E2`` and ``1/R = 1/R1 + 1/R2``. Each argument is one number for
+        both spheres, or a pair of numbers.
 
         Parameters
         ----------
@@ -162,7 +169,7 @@ class Contact:
         poisson : float or pair of float
             Poisson's ratio, from -1 to 0.5.
         radius : float or pair of float
-            Radius > 0 [m]; inf is a flat wall.
+            Radius > 0 [m]. An infinite radius means a flat wall.
         loss : float, optional
             Fraction of the stored energy that the contact dissipates: ``1 - e**2`` for a coefficient of restitution e.
 
@@ -197,7 +204,7 @@ class Contact:
 
     @property
     def segments(self) -> tuple[Segment]:
-        """The graph of the contact: one segment."""
+        """Segments of the force graph. A Contact has a single segment."""
         return (Segment(1.0, 0.0, self.preload, self.stiffness, self.exponent, self.loss),)
 
     @overload
@@ -217,9 +224,11 @@ class Contact:
     def energy(self, overlap: ArrayLike) -> NDArray[np.float64]: ...
 
     def energy(self, overlap: ArrayLike) -> Numbers:
-        """Return the stored energy [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``, 0 while open.
+        """Return the stored energy [J] at `overlap` [m], any shape: ``F d + K d**(1+a) / (1+a)``. An open contact
+        stores 0.
 
-        During unloading a contact with loss returns (1 - loss) of the decrease and dissipates the rest.
+        During unloading, a contact with loss returns the fraction (1 - loss) of the stored energy and dissipates the
+        rest.
         """
         return _like(overlap, stored_energy(self.preload, self.stiffness, self.exponent, overlap))
 
@@ -231,7 +240,7 @@ class Contact:
     def overlap(self, force: ArrayLike) -> Numbers:
         """Return the overlap [m] at which the contact pushes with `force` [N], any shape: ``((f-F)/K)**(1/a)``.
 
-        The result is 0 for a force up to the preload, and inf for a force that a step force cannot reach.
+        The result is 0 for a force up to the preload. It is infinite for a force that a step force cannot reach.
         """
         excess = np.maximum(np.asarray(force, dtype=np.float64) - self.preload, 0.0)
         if self.stiffness == 0.0:
@@ -242,20 +251,23 @@ class Contact:
 def stored_energy(
     preload: Numbers, stiffness: Numbers, exponent: Numbers, overlap: ArrayLike, power: Callable[..., Any] = np.power
 ) -> NDArray[np.float64]:
-    """Return the energy [J] that contacts with these laws store at `overlap` [m]; the arguments are broadcast together.
+    """Return the energy [J] that contacts with the given laws store at `overlap` [m]. All arguments are broadcast
+    together.
 
-    NumPy's `power` is fast, but its last digit depends on the processor. The function `powers` is bitwise reproducible.
+    `power` computes powers. NumPy's own function is fast, but its last digit depends on the processor. The function
+    `powers` of softcradle is bitwise reproducible.
     """
     pressed = np.maximum(np.asarray(overlap, dtype=np.float64), 0.0)
     more = 1.0 + exponent
-    with np.errstate(over="ignore", invalid="ignore"):  # if the motion has diverged, the energy is inf or NaN
+    with np.errstate(over="ignore", invalid="ignore"):  # If the motion has diverged, the energy is inf or NaN.
         return preload * pressed + stiffness * power(pressed, more) / more
 
 
 def is_closed(overlap: ArrayLike, force: ArrayLike) -> NDArray[np.bool_]:
-    """Return True for each contact at `overlap` [m] with `force` [N], any shape, that is loaded or touches with a force.
+    """Return True for each closed contact, given its `overlap` [m] and `force` [N], any shape.
 
-    A coupler that pulls, with a force < 0, is also closed.
+    A contact is closed if it is loaded, or if it touches with a force > 0. A coupler that pulls (force < 0) is also
+    closed.
 
     >>> is_closed([-1.0, 0.0, 0.0, 1.0, -1.0], [0.0, 0.0, 2.0, 3.0, -4.0])
     array([False, False,  True,  True,  True])
@@ -278,14 +290,14 @@ def _like(argument: ArrayLike, result: NDArray[np.float64]) -> Numbers:
 
 
 def explained(make: Callable[P, Contact]) -> Callable[P, Contact]:
-    """Return the constructor `make` with a TypeError for unknown keywords that lists the arguments it takes."""
+    """Wrap the constructor `make`. For an unknown keyword, it raises a TypeError that lists the valid arguments."""
 
     @wraps(make)
     def checked(*args: P.args, **keywords: P.kwargs) -> Contact:
         try:
             return make(*args, **keywords)
         except TypeError:
-            # an unknown keyword gives a special message; any other TypeError is passed on
+            # An unknown keyword gets a special message. Any other TypeError is raised again.
             taken = list(signature(make).parameters)
             unknown = [name for name in keywords if name not in taken]
             if not unknown:
@@ -298,13 +310,16 @@ def explained(make: Callable[P, Contact]) -> Callable[P, Contact]:
 
 @explained
 def power_law(f0: float, alpha: float, loss: float = 0.0) -> Contact:
-    """Return the contact of a bead that pushes with ``f0 * overlap**alpha``, Eq. (2): f0 > 0 [N / m**alpha], alpha > 0."""
+    """Return the contact of a bead that pushes with ``f0 * overlap**alpha``, Eq. (2).
+
+    The arguments are `f0` > 0 [N / m**alpha] and `alpha` > 0.
+    """
     return Contact(0.0, f0, alpha, loss)
 
 
 @explained
 def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Contact:
-    """Return the contact of a draft gear, a spring behind a piston, Eq. (C1); its preload is k Delta_0.
+    """Return the contact of a draft gear, a spring behind a piston, Eq. (C1). Its preload is k Delta_0.
 
     The arguments are `stiffness` k > 0 [N/m] and `precompression` Delta_0 >= 0 [m].
     """
@@ -314,7 +329,7 @@ def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Co
 
 @explained
 def hertz(stiffness: float, loss: float = 0.0) -> Contact:
-    """Return the contact of two elastic spheres: ``stiffness * overlap**1.5``, stiffness [N / m**1.5].
+    """Return the contact of two elastic spheres, ``stiffness * overlap**1.5``. The stiffness is in N / m**1.5.
 
     `Contact.of_spheres` computes the stiffness from Young's modulus, Poisson's ratio and radius.
     """
@@ -323,11 +338,17 @@ def hertz(stiffness: float, loss: float = 0.0) -> Contact:
 
 @explained
 def hooke(stiffness: float, loss: float = 0.0) -> Contact:
-    """Return a one-sided linear spring: ``stiffness * overlap``, stiffness [N/m]; the interface of Appendix A (iii)."""
+    """Return the contact of a linear spring that only pushes, ``stiffness * overlap``. The stiffness is in N/m.
+
+    It describes the interface of Appendix A (iii).
+    """
     return Contact(0.0, stiffness, 1.0, loss)
 
 
 @explained
 def step_force(f0: float, loss: float = 0.0) -> Contact:
-    """Return the limit alpha -> 0 of :func:`power_law`: f0 [N] at any overlap, and any force in [0, f0] while touching."""
+    """Return the limit alpha -> 0 of :func:`power_law`. The force is `f0` [N] at any overlap.
+
+    A contact that just touches has any force from 0 to f0.
+    """
     return Contact(f0, 0.0, 1.0, loss)

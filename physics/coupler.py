@@ -1,12 +1,12 @@
-"""Coupler of a train: a contact with several segments that pushes, has slack (backlash), pulls, and has a solid stop.
+"""Coupler of a train: a contact that pushes, has slack (backlash), pulls, and has a solid stop.
 
     overlap d >= 0                  pushes by the gear `push`
     -slack < d < 0                  no force: the two beads are free
     d <= -slack                     pulls by the gear `pull`, whose displacement is -d - slack
     displacement of a gear > travel solid: a stop adds the force stop * (displacement - travel)
 
-A gear dissipates energy in the same way as its contact law. A coupler that is not coupled at the start only pushes
-until its two beads meet. Then it couples, and pulls from that time on.
+The force graph has several segments. A gear dissipates energy in the same way as its contact law. A coupler may be
+uncoupled at the start. It then only pushes. When its two beads meet, it couples, and can pull from this time on.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from softcradle.physics.segments import PiecewiseContact, Segment
 
 @dataclass(frozen=True)
 class Coupler(PiecewiseContact):
-    """A coupler between two beads that pushes and, after its slack, pulls; its gears become solid at full travel.
+    """A coupler between two beads. It pushes and, beyond its slack, pulls. Its gears become solid at full travel.
 
     All methods except pymunk support couplers (yoshida4 only without loss). The adaptive methods and "auto" require an
     exponent of at least 1 for a gear that pulls or has a stop; otherwise they raise a ValueError. Pulling forces are
@@ -33,18 +33,18 @@ class Coupler(PiecewiseContact):
     push : Contact
         Contact law of the pushing gear.
     pull : Contact, optional
-        Contact law of the pulling gear; None: the coupler does not pull.
+        Contact law of the pulling gear. None means that the coupler does not pull.
     slack : float, optional
-        Free play [m] between pushing and pulling; only with `pull`.
+        Free play [m] between pushing and pulling. It requires `pull`.
     travel : float, optional
-        Displacement [m] at which a gear becomes solid, both for pushing and for pulling; inf: never.
+        Displacement [m] at which a gear becomes solid, both for pushing and for pulling. It is infinite by default.
     stop : float, optional
-        Stiffness [N/m] of the stop beyond the travel. It adds to the law of the gear and does not dissipate energy.
+        Stiffness [N/m] of the stop beyond the travel. The force of the stop adds to that of the gear and does not
+        dissipate energy.
     coupled : bool, optional
-        True if it is coupled at the start. If False, it is an open contact until its beads meet, and pulls from then
-            on.
-        None: it is coupled unless the gap at the start is larger than the slack. Beads that touch at the start are
-            coupled.
+        True if the coupler is coupled at the start. If False, it cannot pull until its beads have met. None means
+        that it is coupled unless the gap at the start is larger than the slack. Beads that touch at the start are
+        always coupled.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class Coupler(PiecewiseContact):
             object.__setattr__(self, name, magnitude(what, getattr(self, name), zero=True))
         if self.travel != math.inf:
             object.__setattr__(self, "travel", magnitude(N_("coupler travel"), self.travel))
-        # options that need each other
+        # These options require each other.
         if self.coupled not in (None, True, False):
             raise InputError(
                 "coupled", "coupler coupled must be True, False or None, not {given}", given=shown(self.coupled)
@@ -99,12 +99,19 @@ class Coupler(PiecewiseContact):
 
     @property
     def segments(self) -> list[Segment]:
-        """The segments of the graph from left to right: pulling ones from the solid stop inwards, then pushing ones outwards."""
+        """Segments of the force graph from left to right.
+
+        The pulling segments come first, from the solid stop inwards. The pushing segments follow, from overlap 0
+        outwards.
+        """
         pulls = self._gear(self.pull, -1.0, -self.slack)[::-1] if self.pull else []
         return pulls + self._gear(self.push, 1.0, 0.0)
 
     def _gear(self, law: Contact, side: float, origin: float) -> list[Segment]:
-        """Return the segments of a gear from its origin outward: up to full travel, and beyond it with the stop."""
+        """Return the segments of a gear, from its origin outwards.
+
+        There is one segment up to full travel, and one beyond it that includes the stop.
+        """
         found = [gear_segment(law, side, origin, length=self.travel)]
         if self.stop:
             found.append(gear_segment(law, side, origin + side * self.travel, self.travel, self.stop))
@@ -114,5 +121,8 @@ class Coupler(PiecewiseContact):
 def gear_segment(
     law: Contact, side: float, origin: float, before: float = 0.0, stop: float = 0.0, length: float = math.inf
 ) -> Segment:
-    """Return the segment on which a gear with this `law` continues from the displacement `before` [m], plus a `stop` [N/m]."""
+    """Return the segment on which a gear with this `law` continues from the displacement `before` [m].
+
+    A spring of stiffness `stop` [N/m] is added on this segment.
+    """
     return Segment(side, origin, law.preload, law.stiffness, law.exponent, law.loss, length, before, stop)

@@ -1,4 +1,7 @@
-"""Simulation of many chains on all cores. Kernels run without Python's lock, so threads can use all cores."""
+"""Simulation of many chains on all cores.
+
+Compiled kernels release Python's global interpreter lock, so threads can use all cores.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +21,13 @@ from softcradle.physics.checked_input import shown, whole_number
 from softcradle.physics.simulation import solve
 from softcradle.physics.trajectory import Trajectory
 
-PARTS = 8  # Parts of the work for each core. Chains differ in cost, so small parts keep all cores busy until the end.
-MOST_AT_ONCE = 64  # Largest number of chains in a part, so that progress is reported often
+# Number of parts of the work for each core. The chains differ in cost. Small parts keep all cores busy until the end.
+PARTS = 8
+MOST_AT_ONCE = 64  # Largest number of chains in a part. A small number makes progress reports frequent.
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
-Each = float | Sequence[float | None] | None  # one value for all chains, or one for each
+Each = float | Sequence[float | None] | None  # One value for all chains, or one value for each chain
 
 
 def ensemble(
@@ -37,9 +41,9 @@ def ensemble(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Trajectory]:
-    """Simulate many chains, bitwise as `simulate` would, in any order.
+    """Simulate many chains in parallel. The results are bitwise equal to those of `simulate`.
 
-    Warnings are on each Trajectory; no Python warnings are issued.
+    Each Trajectory contains its warnings. No Python warnings are issued.
 
     Parameters
     ----------
@@ -47,8 +51,8 @@ def ensemble(
     velocities : sequence of array_like, length C
         ``velocities[k]``, shape (n+1,), are the start velocities of ``chains[k]`` [m/s].
     duration, method, step, samples, tolerance : optional
-        As for `simulate`. Duration and step [s] are one number for all chains or C numbers. Two samples are the start
-        and the end.
+        As for `simulate`. Duration and step [s] are one number for all chains, or C numbers. With `samples=2`, the
+        samples are the start and the end.
     workers : int, optional
         Number of threads; None means one for each core that this process may use.
     progress : callable, optional
@@ -62,7 +66,7 @@ def ensemble(
     Raises
     ------
     ValueError
-        If the lists have different lengths, or as `simulate` for one of the chains.
+        If the lists have different lengths, or if `simulate` would raise it for one of the chains.
 
     Examples
     --------
@@ -83,10 +87,11 @@ def ensemble(
         return [solve(chains[k], velocities[k], durations[k], method, steps[k], samples, tolerance) for k in indices]
 
     tell = progress or (lambda count: None)
-    found = part(range(min(1, count)))  # load the kernels once, before all threads would wait for them
+    # Run the first chain alone, which loads the kernels. Otherwise all threads would wait for them.
+    found = part(range(min(1, count)))
     if found:
         tell(1)
-    # Small parts of the other chains, in threads.
+    # Divide the other chains into small parts, which run in threads.
     blocks = parts(len(found), count, threads)
     done: list[list[Trajectory]] = [[] for _ in blocks]
     for k, runs in in_threads(part, blocks, threads):
@@ -96,7 +101,9 @@ def ensemble(
 
 
 class DaemonThreads(Executor):
-    """Pool of `count` daemon threads. Kernels do not react to signals, so a program that is stopped ends without them."""
+    """Pool of `count` daemon threads. Kernels do not react to signals, but daemon threads do not keep a stopped program
+    alive.
+    """
 
     def __init__(self, count: int) -> None:
         self._waiting: SimpleQueue[tuple[Future[Any], Callable[[], Any]] | None] = SimpleQueue()
@@ -105,7 +112,7 @@ class DaemonThreads(Executor):
             threading.Thread(target=self._work, name="softcradle", daemon=True).start()
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
-        """Call a function in a thread."""
+        """Schedule a call of `function` in one of the threads."""
         future: Future[Any] = Future()
         self._waiting.put((future, partial(function, *args, **keywords)))
         return future
@@ -122,7 +129,7 @@ class DaemonThreads(Executor):
     def _work(self) -> None:
         while (task := self._waiting.get()) is not None:
             future, call = task
-            # A cancelled future is skipped; an exception belongs to the future, not to the thread.
+            # Skip a cancelled future. An exception is stored in the future and does not end the thread.
             if not future.set_running_or_notify_cancel():
                 continue
             try:
@@ -132,8 +139,9 @@ class DaemonThreads(Executor):
 
 
 def in_threads(function: Callable[[Item], Found], items: Sequence[Item], count: int) -> Iterator[tuple[int, Found]]:
-    """Yield number and result of `function` for all items, in the order in which they finish. The first error is
-    raised.
+    """Call `function` for all items in threads. Yield the index and the result of each call in order of completion.
+
+    The first error of a call is raised.
     """
     with DaemonThreads(min(count, len(items))) as pool:
         numbers = {pool.submit(function, item): k for k, item in enumerate(items)}
@@ -147,14 +155,20 @@ def cores() -> int:
 
 
 def threads_of(workers: int | None) -> int:
-    """Return the number of threads: `workers`, or one for each core. Raise ValueError if `workers` is less than 1."""
+    """Return the number of threads: `workers`, or one for each core if `workers` is None.
+
+    Raise ValueError if `workers` is less than 1.
+    """
     if workers is not None and whole_number("workers", workers) < 1:
         raise ValueError(f"workers must be at least 1, not {shown(workers)}")
     return workers or cores()
 
 
 def parts(begin: int, end: int, threads: int, least: int = 1) -> list[range]:
-    """Return the chains from `begin` to `end` in parts of nearly equal size, at least `least` chains each."""
+    """Divide the chain indices from `begin` to `end` into ranges of nearly equal size.
+
+    Each range contains at least `least` chains.
+    """
     size = max(least, min(MOST_AT_ONCE, (end - begin) // (threads * PARTS)))
     return [range(first, min(end, first + size)) for first in range(begin, end, size)]
 

@@ -1,11 +1,11 @@
-"""Optional packages (extras), and the error message that explains how to install a missing one."""
+"""Optional packages ("extras"). If one is missing, the error message explains how to install it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-EXTRA_OF = {  # Package: extra of pyproject.toml that installs it
+EXTRA_OF = {  # Name of each optional package, and the extra of pyproject.toml that installs it
     "numba": "fast",
     "av": "film",
     "PIL": "film",
@@ -30,8 +30,8 @@ def needed_for(what: str, extra: str | None = None) -> Iterator[None]:
     """Raise an ImportError with one sentence if a package of an extra is missing in the block.
 
     Arguments:
-        what: what needs the package, the subject of the sentence.
-        extra: the extra that installs everything that `what` needs; None: the extra of the missing package.
+        what: subject of the sentence: the function that needs the package.
+        extra: the extra that installs everything that `what` needs. None means the extra of the missing package.
     """
     try:
         yield

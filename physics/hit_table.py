@@ -1,4 +1,4 @@
-"""Table of hits: its columns, and a log that fills it during the steps of a live row of bodies."""
+"""Table of hits: its columns, and a log that fills it during the steps of a live chain of bodies."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Columns of the table, with their units.
+# Columns of the table of hits, with their units.
 COLUMNS = {
     "contact": "index of the contact",
     "begin": "time at which the contact closes [s]",
@@ -22,17 +22,17 @@ COLUMNS = {
 }
 TYPE = np.dtype([(name, np.int64 if name == "contact" else np.float64) for name in COLUMNS])
 
-# Largest number of finished hits that a log keeps. Older ones are dropped if nobody reads the log.
+# Largest number of finished hits that a log keeps. If nobody reads the log, older hits are removed.
 MOST_KEPT = 10_000
 
 
 class Hit(NamedTuple):
-    """Finished hit of a contact.
+    """Finished hit: the time interval in which a contact was closed.
 
     Attributes:
-        begin, end: times of closing and opening since the first step of the contact [s].
-        impulse: momentum passed from the first body to the second one [N s].
-        closing_speed: overlap rate at the begin [m/s].
+        begin, end: times of closing and opening [s], counted from the first step of the contact.
+        impulse: momentum transmitted from the first body to the second body [N s].
+        closing_speed: rate of the overlap when the contact closes [m/s].
         largest_force: largest force [N].
         energy_lost: energy dissipated by the contact [J].
     """
@@ -46,7 +46,7 @@ class Hit(NamedTuple):
 
 
 class HitLog:
-    """Hits of n contacts, from the numbers of each step.
+    """Log of the hits of n contacts, which is updated after each step.
 
     Attributes:
         time: time since the first step [s].
@@ -67,15 +67,17 @@ class HitLog:
         largest: Array,
         lost: Array,
     ) -> None:
-        """Add a step of `step` [s]; `before` and `after` are overlaps (n,) [m] and their rates [m/s].
+        """Add a step of length `step` [s].
 
-        `force` (n,) is the mean force [N], `largest` (n,) the largest one, and `lost` (n,) the dissipated energy [J].
+        `before` and `after` are overlaps (n,) [m] and overlap rates (n,) [m/s]. `force` (n,) is the mean force [N],
+        `largest` (n,) the largest force [N], and `lost` (n,) the dissipated energy [J].
         """
         pushes = force > 0.0
         self.time += step
         if not pushes.any() and not self._acts.any():
             return
-        for i in np.flatnonzero(self._acts & ~pushes).tolist():  # opened at the end of the last step at the latest
+        # These contacts have opened by the end of the last step.
+        for i in np.flatnonzero(self._acts & ~pushes).tolist():
             self._finish(i, self.time - step)
         for i in np.flatnonzero(pushes & ~self._acts).tolist():
             overlap, rate = float(before[0][i]), float(before[1][i])
@@ -99,19 +101,22 @@ class HitLog:
         del self._finished[:-MOST_KEPT]
 
     def take(self, threshold: float = 0.0) -> NDArray[np.void]:
-        """Return the finished hits with an impulse of at least `threshold` [N s], sorted by their begin, and forget all."""
+        """Return the finished hits with an impulse of at least `threshold` [N s], sorted by their begin.
+
+        All finished hits are removed from the log.
+        """
         kept = [(contact, *hit) for contact, hit in self._finished if hit.impulse >= threshold]
         self._finished.clear()
         return np.array(sorted(kept, key=lambda row: (row[1], row[0])), TYPE)
 
     def forget(self) -> None:
-        """Forget finished and present hits, for example after a jump of the motion."""
+        """Remove all finished and current hits, for example after a jump of the motion."""
         self._finished.clear()
         self._acts[:] = False
 
 
 class LiveHit:
-    """Present hit of one contact whose force is evaluated once a step."""
+    """Current hit of a contact whose force is evaluated once per step."""
 
     def __init__(self) -> None:
         self.time = 0.0
@@ -119,7 +124,10 @@ class LiveHit:
         self._speed = self._impulse = self._largest = self._lost = self._stored = 0.0
 
     def step(self, step: float, overlap: float, rate: float, force: float, stored: float, loss: float) -> Hit | None:
-        """Add a step [s] with its overlap, rate, force and stored energy; return the hit that ended, or None."""
+        """Add a step of length `step` [s], with the overlap, rate, force and stored energy of the contact.
+
+        Return the hit if it ended in this step, otherwise None.
+        """
         self.time += step
         if overlap <= 0.0:
             if math.isnan(self._begin):

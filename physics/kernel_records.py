@@ -1,4 +1,4 @@
-"""Conversion from a Chain and a State to the records of the kernels, and from the log of switches back."""
+"""Conversion of a Chain and a State to the records of the kernels, and of the kernels' log of switches to arrays."""
 
 from __future__ import annotations
 
@@ -33,24 +33,25 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 Array = NDArray[np.float64]
 
 FIRST_LOG = 4096  # Initial number of rows of the log of contact switches
-# Rows of the log of `advance`. More switches within a frame are chattering; they are counted but not stored.
+# Number of rows of the log of `advance`. More switches within a frame are chattering. They are counted, but not stored.
 FRAME_LOG = 256
-ROWS_A_STEP = 4  # Free rows of the log for each step until the next pause, at which the log grows
-MOST_LOG = 4_000_000  # Largest number of rows of the log: 64 MB
+ROWS_A_STEP = 4  # Number of free rows of the log for each step until the next pause. At a pause, the log can grow.
+MOST_LOG = 4_000_000  # Largest number of rows of the log. They take 64 MB.
 
 
 def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
-    """Return the fields of ChainData. External forces are those of `state` now.
+    """Return the fields of ChainData. The external forces are the current ones of `state`.
 
-    All arrays are writable, like the arrays that kernels create. Read-only arrays would make numba compile every kernel
-    again.
+    All arrays are writable, because kernels also create writable arrays. For read-only arrays, numba would compile
+    every kernel a second time.
     """
     law, inverse_mass = law_rows(chain).copy(), chain.inverse_mass.copy()
-    dissipates = chain.dissipative or chain.has_segments  # several segments are solved as if they dissipated energy
+    # Chains with several segments are solved like chains with dissipation.
+    dissipates = chain.dissipative or chain.has_segments
     dissipation = Dissipation(chain.loss.copy(), chain.bed.copy()) if dissipates else NO_DISSIPATION
     special = graphs_of(chain, state), knots_of(chain, state), dissipation, strings_of(chain)
     push = state.external(chain)
-    # Kernels put forces over time into this array.
+    # Kernels write the time-dependent forces into this array.
     if chain.timed:
         push = np.zeros(chain.contacts + 1) if push is None else push.copy()
     if push is None:
@@ -63,7 +64,9 @@ def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
 
 @per_chain
 def law_rows(chain: Chain) -> Array:
-    """Return (n, 3) preload, stiffness and exponent of each contact; for a user-defined law those of its onset."""
+    """Return preload, stiffness and exponent (n, 3) of each contact. For a user-defined law, they are those of its
+    onset.
+    """
     rows = chain.law_rows.copy()
     for i, law in chain.own_contacts:
         rows[i] = law.onset
@@ -72,17 +75,20 @@ def law_rows(chain: Chain) -> Array:
 
 @per_chain
 def graph_rows(chain: Chain) -> tuple[Any, ...]:
-    """Return the fields of Graphs without `coupled`; without rows if each contact is one power law from overlap 0 on."""
+    """Return the fields of Graphs, except `coupled`.
+
+    The arrays have no rows if each contact is a single power law that starts at overlap 0.
+    """
     if not (chain.has_segments or chain.own_laws):
         kind, _, *rows = NO_GRAPHS
         return kind, rows
-    # Each table is stored once: rows of its pieces and breakpoints, counted over all tables.
+    # Each table is stored only once. The rows of pieces and breakpoints are counted over all tables.
     tables = {id(one.table): one.table for graph in chain.graphs for one in graph if one.table is not None}
     pieces = np.cumsum([0, *(len(table.force) for table in tables.values())]).tolist()
     points = np.cumsum([0, *(len(table.bend) for table in tables.values())]).tolist()
     places = dict(zip(tables, zip(pieces, pieces[1:], points, points[1:], strict=False), strict=True))
     kind = np.array([_kind(graph) for graph in chain.graphs], dtype=np.int8)
-    # The segments of all contacts, one after the other, with the range of rows of their tables.
+    # The segments of all contacts, one after the other. Each has the range of rows of its table.
     segments = [segment for graph in chain.graphs for segment in graph]
     force_from = [one.stiffness * one.table_from**one.exponent for one in segments]
     segment = np.array([(*one[:9], one.table_from, force) for one, force in zip(segments, force_from, strict=True)])
@@ -103,7 +109,7 @@ def graph_rows(chain: Chain) -> tuple[Any, ...]:
 
 
 def _kind(graph: tuple[Segment, ...]) -> int:
-    """Return the kind of a graph in kernels."""
+    """Return the number by which kernels distinguish different kinds of force graphs."""
     # Kernels have faster paths for a single power law or table.
     if len(graph) > 1 or not graph[0].is_whole_law:
         return SEGMENTS
@@ -111,13 +117,15 @@ def _kind(graph: tuple[Segment, ...]) -> int:
 
 
 def graphs_of(chain: Chain, state: State) -> Graphs:
-    """Return the Graphs of a chain. Couplers couple in the array of the State."""
+    """Return the Graphs of a chain. The flags of coupled couplers are those of `state`, so kernels change them in
+    place.
+    """
     kind, rows = graph_rows(chain)
     return Graphs(kind, coupled_of(chain, state), *rows) if kind.size else NO_GRAPHS
 
 
 def knots_of(chain: Chain, state: State) -> Knots:
-    """Return the Knots; without rows for a chain without forces or brakes over time."""
+    """Return the breakpoints of time-dependent forces and brakes. The arrays have no rows for other chains."""
     if not chain.timed:
         return NO_KNOTS
     push, beads = state.external(chain), chain.contacts + 1
@@ -127,13 +135,14 @@ def knots_of(chain: Chain, state: State) -> Knots:
 
 
 def strings_of(chain: Chain) -> Strings:
-    """Return the Strings; without rows for a chain without strings."""
+    """Return the record of the strings. Its arrays have no rows for a chain without strings."""
     return Strings(np.append(*rest_of(chain)), chain.swing) if chain.swing else NO_STRINGS
 
 
 def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Return the fields of the effective chain of adaptive steps, and those of its Regime without the graph. Without
-    dissipation they share their arrays.
+    """Return the fields of the effective chain of adaptive steps, and the fields of its Regime without the graph.
+
+    For a chain without dissipation, both share their arrays.
     """
     law, inverse_mass, push, external, anchor, graph, knots, dissipation, strings = chain_records(chain, state)
     others = graph, knots, NO_DISSIPATION, strings
@@ -141,7 +150,7 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
     if not (chain.dissipative or chain.has_segments):
         regime = (law, inverse_mass, NOTHING, NOTHING, NO_FLAGS, NO_FLAGS, NO_FLAGS)
         return (law, inverse_mass, push, external, anchor, *others), regime
-    # Empty arrays mark what the chain does not have; kernels skip it then.
+    # Empty arrays mark features that the chain does not have. Kernels skip these features.
     loss = dissipation.loss if dissipation.loss.any() or chain.has_segments else NOTHING
     bed = dissipation.bed if dissipation.bed.any() else NOTHING
     slide, easing, segment = np.zeros(bed.size, dtype=np.int8), np.zeros(loss.size, dtype=np.int8), NO_FLAGS
@@ -149,14 +158,14 @@ def chain_and_regime(chain: Chain, state: State) -> tuple[tuple[Any, ...], tuple
         segment = np.array([sum(one.side < 0.0 for one in graph) for graph in chain.graphs], dtype=np.int8)
         law = np.zeros((chain.contacts, 6))
     regime = (law, inverse_mass, loss, bed, slide, easing, segment)
-    # Kinetic friction is an external acceleration of the effective chain.
+    # Kinetic friction acts as an external acceleration of the effective chain.
     if bed.size and not external.size:
         external = np.zeros(bed.size)
     return (law.copy(), inverse_mass.copy(), push, external, anchor, *others), regime
 
 
 def require_finite_motion(chain: Chain, state: State) -> None:
-    """Raise ValueError if a contact has been pressed to an overlap at which its user-defined law is not finite."""
+    """Raise ValueError if a contact has an overlap at which its user-defined law is not finite."""
     if chain.own_laws and not (np.isfinite(state.overlap).all() and np.isfinite(state.rate).all()):
         names = ", ".join(repr(law.name) for law in chain.own_laws)
         raise InputError(
@@ -169,7 +178,7 @@ def require_finite_motion(chain: Chain, state: State) -> None:
 
 
 def motion_record(state: State, mode: Any = NO_FLAGS, held: Any = NO_FLAGS) -> tuple[Any, ...]:
-    """Return the fields of Motion: the arrays of `state` itself."""
+    """Return the fields of Motion. They are the arrays of `state` itself, so kernels change the state in place."""
     return state.overlap, state.rate, state.anchor, state.force, state.taken, mode, held
 
 
@@ -180,13 +189,16 @@ def empty_log(contacts: int, size: int) -> SwitchLog:
 
 
 def larger_log(log: SwitchLog) -> int:
-    """Return the number of rows that a run needs whose log was too small; 0 if it was large enough or may not grow."""
+    """Return the number of rows of a larger log if `log` was too small for a run.
+
+    Return 0 if the log was large enough, or if it may not grow any more.
+    """
     wanted, size = int(log.counter[SWITCH]), log.contact.size
     return min(4 * wanted, MOST_LOG) if wanted > size and size < MOST_LOG else 0
 
 
 def with_free_rows(log: SwitchLog) -> SwitchLog:
-    """Return the log, with four times as many rows if half of them are used and it may grow."""
+    """Return the log. If half of its rows are used and it may grow, return a log with four times as many rows."""
     size = log.contact.size
     if not 0 < size < min(2 * int(log.counter[SWITCH]), MOST_LOG):
         return log
@@ -195,7 +207,7 @@ def with_free_rows(log: SwitchLog) -> SwitchLog:
 
 
 def kept_switches(log: SwitchLog) -> tuple[NDArray[np.int64], Array]:
-    """Return (S,) contacts that switched and (S,) times [s]."""
+    """Return the contacts (S,) and times (S,) [s] of the stored switches."""
     kept = min(int(log.counter[SWITCH]), log.contact.size)
     return log.contact[:kept], log.time[:kept]
 

@@ -197,7 +197,7 @@ def _search(
 
 
 def _descend(objective: Callable[[Array], float], place: Array, low: Array, high: Array) -> tuple[Array, float]:
-    """Return a local minimum of `objective` near `place`, and its position.
+    """Return the parameters of a local minimum of `objective` near `place`, and the value of `objective` there.
 
     The Nelder-Mead method is restarted until the result no longer changes.
     """

@@ -18,10 +18,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ChainBatch:
-    """C chains with n+1 masses and n contacts each, as arrays, for `ensemble_ends`.
+    """Batch of C chains with n+1 masses and n contacts each, stored as arrays. It is the input of `ensemble_ends`.
 
     Every argument except `mass` is broadcast to its shape, so one number or one row can apply to all chains. The force
-    of a contact is ``preload + stiffness * overlap**exponent``, as for a :class:`Contact`; all else is as for a
+    of a contact is ``preload + stiffness * overlap**exponent``, as for a :class:`Contact`. Everything else is as for a
     :class:`Chain`.
 
     Parameters
@@ -31,9 +31,9 @@ class ChainBatch:
     preload, stiffness, exponent : array_like, shape (C, n)
         Law of each contact: force [N], stiffness [N/m**exponent] and exponent.
     gap : array_like, shape (C, n), optional
-        Distances [m] at the start; a negative gap is an overlap.
+        Distances [m] between neighbours at the start. A negative gap is an overlap.
     loss : array_like, shape (C, n), optional
-        Share of the stored energy that each contact absorbs when it unloads.
+        Fraction of the stored energy that each contact dissipates when it unloads.
     drive : array_like, shape (C, n+1), optional
         Steady external force on each bead [N].
     friction : array_like, shape (C,), optional
@@ -88,7 +88,7 @@ class ChainBatch:
 
     @classmethod
     def of(cls, chains: Sequence[Chain]) -> ChainBatch:
-        """Return the batch of these chains.
+        """Return a batch that consists of the given chains.
 
         Parameters
         ----------
@@ -137,12 +137,12 @@ class ChainBatch:
         return self.mass.shape[1] - 1
 
     def chain(self, index: int) -> Chain:
-        """Return one of the chains.
+        """Return one chain of the batch.
 
         Parameters
         ----------
         index : int
-            Number of the chain.
+            Index of the chain.
         """
         rows = zip(self.preload[index], self.stiffness[index], self.exponent[index], self.loss[index], strict=True)
         contacts = [Contact(*row) for row in rows]
@@ -170,22 +170,22 @@ class ChainBatch:
 
     @cached_property
     def driven(self) -> NDArray[np.bool_]:
-        """(C,) True if a drive acts on a bead."""
+        """Boolean array (C,): True for chains with a drive on a bead."""
         return np.asarray(self.drive.any(axis=1))
 
     @cached_property
     def on_bed(self) -> NDArray[np.bool_]:
-        """(C,) True if the bed brakes sliding beads."""
+        """Boolean array (C,): True for chains whose sliding beads are braked by the bed."""
         return self.friction > 0.0
 
     @cached_property
     def lossy(self) -> NDArray[np.bool_]:
-        """(C,) True if a contact has loss."""
+        """Boolean array (C,): True for chains with a contact with loss."""
         return np.asarray(self.loss.any(axis=1))
 
     @cached_property
     def dissipative(self) -> NDArray[np.bool_]:
-        """(C,) True if the bed brakes beads or a contact has loss."""
+        """Boolean array (C,): True for chains with a braking bed or with a contact with loss."""
         return np.asarray(np.any([self.on_bed, self.lossy], axis=0))
 
     def _check(self) -> None:

@@ -1,5 +1,6 @@
-"""`ensemble_ends`: simulate very many short chains of one shape and return their ends as arrays. Chains cost no Python
-time.
+"""`ensemble_ends`: simulate very many short chains of one shape, and return the ends of their motions as arrays.
+
+No Python code runs for single chains.
 """
 
 from __future__ import annotations
@@ -64,15 +65,15 @@ from softcradle.physics.state import from_anchor
 Array = NDArray[np.float64]
 Which = NDArray[np.int64]
 
-LEAST_AT_ONCE = 16  # Smallest number of chains in a call of a kernel.
-# Limit of the steps of a chain, to which the share of the usual budget for each contact is added. A chain that needs
-# more steps chatters, and `simulate` runs it.
+LEAST_AT_ONCE = 16  # Smallest number of chains that one call of a kernel simulates.
+# Constant part of the largest number of steps of a chain. The usual budget for each contact is added to it. If a chain
+# needs more steps, its contacts chatter, and `simulate` runs it.
 FIRST_STEPS = 2000
 
 
 @dataclass(frozen=True, eq=False)
 class EnsembleEnds:
-    """Ends of C chains with n+1 beads each, one row per chain.
+    """Ends of the motions of C chains with n+1 beads each, one row per chain.
 
     Attributes
     ----------
@@ -108,12 +109,12 @@ def ensemble_ends(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> EnsembleEnds:
-    """Simulate very many short chains of one shape and return their ends as arrays.
+    """Simulate very many short chains of one shape, and return the ends of their motions as arrays.
 
-    The results are bitwise equal to those of `simulate`. Most chains run one after the other in compiled code, on all
-    cores. `simulate` runs the chains with a drive or with overlaps at the start. It also runs the chains that need more than one
-    run, because they chatter or because errors have grown. The function does not warn: check `status` and
-    `velocity_error`, and run a doubtful chain, ``batch.chain(k)``, with `simulate`.
+    The results are bitwise equal to those of `simulate`. Compiled code runs most chains one after the other, on all
+    cores. `simulate` runs the chains with a drive or with overlaps at the start. It also runs the chains that need more
+    than one run, because their contacts chatter or because their errors have grown. The function does not issue
+    warnings. Check `status` and `velocity_error`, and run doubtful chains ``batch.chain(k)`` with `simulate`.
 
     Parameters
     ----------
@@ -170,7 +171,7 @@ def ensemble_ends(
     )  # fmt: skip
 
     def alone(k: int) -> None:
-        """Run one chain with `solve`."""
+        """Run chain `k` with `solve`."""
         limit = None if np.isinf(durations[k]) else float(durations[k])
         own_step = None if steps is None else float(steps[k])
         found = solve(batch.chain(k), speeds[k], limit, method, own_step, samples=2, tolerance=float(tolerance))
@@ -179,11 +180,11 @@ def ensemble_ends(
         ends.steps[k], ends.evaluations[k] = found.steps, found.evaluations
 
     tell = progress or (lambda count: None)
-    # Driven chains and chains with overlaps at the start need the full preparation of `solve`.
+    # Chains with a drive or with overlaps at the start need the full preparation of `solve`.
     special = batch.driven | (batch.gap < 0.0).any(axis=1)
     for _ in in_threads(alone, np.flatnonzero(special).tolist(), threads):
         tell(1)
-    # All other chains run in compiled code, in blocks that the threads share.
+    # All other chains run in compiled code. The threads share them in blocks.
     ordinary = np.flatnonzero(~special)
     times = _contact_times(batch, run.velocity, special)
     if chosen.adaptive:
@@ -199,7 +200,7 @@ def ensemble_ends(
     for k, _ in in_threads(move, blocks, threads):
         tell(blocks[k].size)
     ends.final_velocity[ordinary] = _velocities_of(batch, run.moving.rate, run.moving.anchor)[ordinary]
-    # Chains whose single run is not trustworthy are confirmed by further runs of `solve`.
+    # If the result of a single run is not trustworthy, further runs of `solve` confirm it.
     if chosen.adaptive:
         error, growth = accuracy.errors(run.velocity, ends.final_velocity, ends.steps)
         ends.velocity_error[ordinary] = error[ordinary, None]
@@ -211,10 +212,11 @@ def ensemble_ends(
 
 @dataclass(frozen=True)
 class _Run:
-    """Arrays of a run, and the flag `stop` that ends the run of a chain when its beads have separated.
+    """Arrays of a run of a batch, and the flag `stop`. With this flag, the run of a chain ends when its beads have
+    separated.
 
-    Chains that are not `special` start as in `State.at_start`. `velocity` (C, n+1) contains the bead velocities that
-    follow from the rates.
+    Chains that are not marked in `special` start as in `State.at_start`. `velocity` (C, n+1) contains the bead
+    velocities, computed from the overlap rates.
     """
 
     data: BatchData
@@ -242,7 +244,9 @@ class _Run:
 
 
 def _of_march(method: str, run: _Run) -> tuple[Any, ...]:
-    """Return the arguments of `march_each` that all chains share, with new scratch memory: for fixed-step methods."""
+    """Return the arguments of `march_each` that all chains share, with new scratch memory. The kernel is that of fixed
+    steps.
+    """
     scratch = fixed_step.Scratch.of(method, run.moving.overlap.shape[1])
     kept, columns = (tuple(scratch.checkpoints), scratch.plan), (scratch.log.contact, scratch.log.time)
     memory = (tuple(scratch.samples), columns, kept, tuple(scratch.pause), np.zeros(4), (scratch.beads, scratch.work))
@@ -260,14 +264,17 @@ class _Accuracy:
     tolerance: float
     mass: Array  # (C, n+1) masses [kg]
     scale: Array  # (C,) speed [m/s] to which the tolerance is relative
-    budget: int  # largest number of steps, including rejected ones; a chain that needs more is run again by `simulate`
+    budget: int  # Largest number of steps, including rejected ones. `simulate` runs a chain again if it needs more.
     grown: Array  # (C, n) error amplification by the last bounce of each contact
-    turns: Array  # (C, n) turns of the oscillation of each contact
-    control: Array  # (C, 2) error amplification by earlier bounces, and sum of the squared errors of the steps
+    turns: Array  # (C, n) number of turning points in the oscillation of each contact
+    control: Array  # (C, 2) error amplification by earlier bounces, and sum of the squared errors of all steps
 
     @classmethod
     def of(cls, batch: ChainBatch, method: str, tolerance: float, velocity: Array) -> _Accuracy:
-        """Return the accuracy relative to the fastest possible closing from `velocity` (C, n+1), see `closing_scale`."""
+        """Return the wanted accuracy for start velocities `velocity` (C, n+1).
+
+        It is relative to the largest possible closing speed, see `closing_scale`.
+        """
         ahead = np.maximum.accumulate(velocity, axis=1)[:, :-1]
         approach = np.maximum((ahead - np.minimum.accumulate(velocity[:, ::-1], axis=1)[:, -2::-1]).max(axis=1), 0.0)
         approach[approach <= NO_APPROACH * np.abs(velocity).max(axis=1)] = 0.0
@@ -280,7 +287,7 @@ class _Accuracy:
         return cls(method, tolerance, batch.mass, scale, budget, grown, turns, control)
 
     def errors(self, start: Array, end: Array, steps: NDArray[np.int64]) -> tuple[Array, Array]:
-        """Return the (C,) estimated error [m/s] of each chain after its `steps` (C,), and its error amplification.
+        """Return the (C,) estimated error [m/s] of each chain after `steps` (C,) steps, and its error amplification.
 
         `start` and `end` (C, n+1) are the velocities of the beads [m/s] before and after the run.
         """
@@ -290,9 +297,9 @@ class _Accuracy:
 
 
 def _of_integrate(accuracy: _Accuracy, run: _Run) -> tuple[Any, ...]:
-    """Return the arguments of `integrate_each` that all chains share, with new scratch memory: for adaptive methods.
+    """Return the arguments of `integrate_each` that all chains share, with new scratch memory. The kernel is adaptive.
 
-    The kernel does not confirm its runs.
+    The kernel does not confirm its results by further runs.
     """
     n = run.moving.overlap.shape[1]
     effective = np.zeros((n, 3)), np.zeros(n + 1), np.zeros(n + 1), np.zeros(4)
@@ -311,7 +318,7 @@ def _mover(
     """Return a function that simulates some of the `chains` with `kernel`.
 
     The kernel calls the compiled function `of_one` for each chain, with the result of `arguments_of`. The arguments
-    from `common` are created for each call. The entry of `of_one` is found only once, because that takes longer.
+    from `common` are created for each call. Finding the address of `of_one` is slow, so it is found only once.
     """
     entry = entry_of(of_one, plain(arguments_of)(int(chains[0]), *common())) if chains.size else None
 
@@ -322,7 +329,7 @@ def _mover(
 
 
 def _in_one_block(*records: Any) -> tuple[Array, list[tuple[Array, ...]]]:
-    """Return a memory block with the size of all arrays of `records`, and the records as views into it."""
+    """Allocate one memory block for all arrays of `records`. Return the block, and the records as views into it."""
     block, first, found = np.zeros(sum(array.size for record in records for array in record)), 0, []
     for record in records:
         views = []
@@ -334,10 +341,10 @@ def _in_one_block(*records: Any) -> tuple[Array, list[tuple[Array, ...]]]:
 
 
 def _needs_another_run(batch: ChainBatch, run: _Run, error: Array, growth: Array) -> NDArray[np.bool_]:
-    """Return (C,) True if a single run is not sufficient for a chain.
+    """Return a boolean array (C,): True for chains whose single run is not sufficient.
 
-    This is the case if the run gave up, if errors have grown, if contacts are very soft, or if the estimated error is
-    larger than the energy of the chain allows.
+    Reasons are a run that gave up, errors that have grown, and very soft contacts. Another reason is an estimated error
+    above the limit that the energy of the chain allows.
     """
     soft = (batch.preload == 0.0) & (batch.exponent < SOFTEST)
     stored = stored_energy(batch.preload, batch.stiffness, batch.exponent, 0.0 - batch.gap).sum(axis=1)
@@ -348,7 +355,7 @@ def _needs_another_run(batch: ChainBatch, run: _Run, error: Array, growth: Array
 
 
 def _velocities_of(batch: ChainBatch, rate: Array, anchor: Array) -> Array:
-    """Return the (C, n+1) bead velocities from the rates and the anchor beads."""
+    """Return the (C, n+1) bead velocities, computed from the overlap rates and the velocities of the anchor beads."""
     found = np.empty(batch.mass.shape)
     for bead in np.unique(batch.anchor).tolist():
         rows = batch.anchor == bead
@@ -359,8 +366,8 @@ def _velocities_of(batch: ChainBatch, rate: Array, anchor: Array) -> Array:
 def _contact_times(batch: ChainBatch, velocity: Array, special: NDArray[np.bool_]) -> Array:
     """Return the (C, n) contact times [s].
 
-    Raise ValueError if the overlaps of a chain that is not `special` would be too small or too large for floating-point
-    numbers.
+    Raise ValueError if the overlaps of a chain would be too small or too large for floating-point numbers. Chains
+    marked in `special` are not checked.
     """
     speed = _speed(velocity)
     reduced = batch.inverse_mass[:, :-1] + batch.inverse_mass[:, 1:]
@@ -380,13 +387,13 @@ def _default_steps(batch: ChainBatch, velocity: Array, times: Array) -> Array:
 
 
 def _speed(velocity: Array) -> Array:
-    """Return the (C,) largest speeds [m/s] at which two beads approach or separate; 1 if nothing moves."""
+    """Return the (C,) largest speeds [m/s] at which two beads approach or separate. The speed is 1 if nothing moves."""
     speed: Array = np.ptp(velocity, axis=1)
     return np.where(speed == 0.0, 1.0, speed)
 
 
 def _method(name: str, batch: ChainBatch) -> Method:
-    """Return the method. Raise ValueError if it cannot simulate such batches."""
+    """Return the method called `name`. Raise ValueError if it cannot simulate batches of this kind."""
     if name == "auto":
         raise ValueError(
             "ensemble_ends takes the name of a method; 'auto' is for simulate, which chooses for one chain"

@@ -1,1 +1,1 @@
-"""Fixed-step methods: one step loop and the kinds of steps that it can take."""
+"""Methods with fixed steps: one loop over the steps, and the different kinds of steps."""

@@ -52,18 +52,20 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-# Drifts and kicks of each method; empty for a discrete gradient.
+# Drifts and kicks of each method. They are empty for the method with a discrete gradient.
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
-# Largest number of steps of a run. A run that needs more has a step that is too small for its motion.
+# Largest number of steps of a run. If a run needs more, its step is too small for its motion.
 MOST_FIXED_STEPS = 100_000_000
 
-# Product of steps and contacts after which a kernel returns, about 0.1 s, so that Python can handle signals.
+# Number of steps times contacts after which a kernel returns to Python, so that Python can handle signals. It takes
+# about 0.1 s.
 PAUSE = 2_000_000
-MOST_ROWS, MOST_NUMBERS = 1024, 2**22  # Largest number of checkpoints of a run, and of the numbers in them (32 MB).
-# Number of steps between two checkpoints at the start of a run. Leaving the step loop after each step would take half
-# the time of a short chain.
+# Largest number of checkpoints of a run, and largest number of floats in them (32 MB).
+MOST_ROWS, MOST_NUMBERS = 1024, 2**22
+# Number of steps between two checkpoints at the start of a run. If the step loop returned after every step, a short
+# chain would take 50 % more time.
 FIRST_SPACING = 4
-# Product of steps and contacts that plain Python tries in a run without a duration, about one second.
+# Number of steps times contacts that plain Python tries in a run without a duration. It takes about one second.
 PLAIN_STEPS = 20_000
 
 
@@ -83,12 +85,13 @@ class Scratch:
     def of(
         cls, method: str, contacts: int, times: Array = NO_TIMES, log_size: int = 0, checkpoints: bool = False
     ) -> Scratch:
-        """Return memory for a chain with this number of `contacts`.
+        """Return scratch memory for a chain with this number of `contacts`.
 
-        It has sample rows at `times`, and rows for `checkpoints` if the sample times are only known after the run.
+        It contains one row for each sample time in `times`. If `checkpoints` is True, it also contains rows for
+        checkpoints, because the sample times are only known after the run.
         """
         solver_rows = WORK_ROWS if method == "conserving" else 0
-        # each checkpoint stores overlaps, rates and forces
+        # Each checkpoint stores overlaps, rates and forces.
         rows = min(MOST_ROWS, max(2, MOST_NUMBERS // (3 * contacts))) if checkpoints else 0
         plan = np.array([0, 0 if checkpoints else NEVER, FIRST_SPACING])
         beads, work = np.zeros((BEAD_ROWS, contacts + 1)), np.empty((solver_rows, contacts))
@@ -98,7 +101,7 @@ class Scratch:
 
 def run(problem: Problem) -> Record:
     """Compute the whole motion. ``problem.state`` is not changed."""
-    KERNELS.load_made()  # so that the measured time is that of the motion only
+    KERNELS.load_made()  # Load the kernels first. The measured time should only contain the motion.
     return run_to_end(problem, _pass)
 
 
@@ -108,7 +111,7 @@ def advance(problem: Problem) -> Status:
     scratch = state.work.get(problem.method)
     if scratch is None:
         scratch = state.work[problem.method] = Scratch.of(problem.method, problem.chain.contacts, NO_TIMES, FRAME_LOG)
-    # each frame begins with an empty log, which keeps the state of the contacts
+    # Each frame starts with an empty log. The log keeps the information which contacts are closed.
     log = scratch.log
     log.counter[:] = 0
     log.closed[:] = state.closed
@@ -119,10 +122,10 @@ def advance(problem: Problem) -> Status:
 
 
 def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool = True) -> Record:
-    """Run the kernel once, and once more with a larger log if the log of switches was too small.
+    """Run the kernel once. If the log of contact switches was too small, run again with a larger log.
 
-    If `plain` is True, a run without a duration is first tried in plain Python. If the tried steps do not suffice,
-    compiled code starts the run again.
+    If `plain` is True, a run without a duration is first tried in plain Python. If the number of tried steps is not
+    sufficient, compiled code starts the run again.
     """
     state = problem.state.copy()
     kernel, most = _kernel_and_steps(problem, plain)
@@ -132,15 +135,16 @@ def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool
     seconds = perf_counter() - began
     if kernel is not march:
         KERNELS.spent += float(scratch.log.counter[STEP] * problem.chain.contacts)
-    # plain Python did not reach the end within its budget: start again with machine code
+    # Plain Python did not reach the end within its budget. Start again with machine code.
     if most < (problem.most_steps or MOST_FIXED_STEPS) and Status(status).gave_up:
         return _pass(problem, times, log_size, plain=False)
-    # the log of switches was too small: run again with a larger one
+    # The log of contact switches was too small. Run again with a larger log.
     larger = larger_log(scratch.log)
     if larger:
         return _pass(problem, times, larger, plain)
     counter = scratch.log.counter
-    samples = first_samples(scratch.samples, int(counter[SAMPLE]))  # fewer samples than wanted if the run gave up
+    # If the run gave up, there are fewer samples than wanted.
+    samples = first_samples(scratch.samples, int(counter[SAMPLE]))
     return Record(
         problem.chain, samples, *kept_switches(scratch.log), state, int(counter[STEP]), int(counter[EVALUATION]),
         Status(status), _warnings(problem, Status(status), state.time, scratch.log), seconds,
@@ -150,18 +154,18 @@ def _pass(problem: Problem, times: Array, log_size: int = FIRST_LOG, plain: bool
 
 @dataclass
 class _KeptRun:
-    """A run with checkpoints, from which samples can be computed."""
+    """Finished run with checkpoints. Samples can be computed from the checkpoints."""
 
     problem: Problem
     scratch: Scratch
 
     def record(self, found: Record, times: Array) -> Record:
-        """Return the record `found` of the run with its samples at `times`, which may lie beyond its end."""
+        """Add samples at `times` to the record `found` of the run. The times may lie after the end of the run."""
         problem, scratch, chain = self.problem, self.scratch, self.problem.chain
         scratch.samples = empty_samples(times, chain.contacts)
         scratch.log = empty_log(chain.contacts, 0)
         state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
-        # number of steps to repeat, which decides between compiled and plain code
+        # Number of steps to repeat. It decides between compiled code and plain Python.
         again = min(found.steps, times.size * int(scratch.plan[SPACING])) + late / problem.step
         work = again * chain.contacts
         kernel = KERNELS.of(sample_between, work)
@@ -170,9 +174,9 @@ class _KeptRun:
         most, counts = problem.most_steps or MOST_FIXED_STEPS, scratch.pause.counts
         counts[AT], counts[BEGUN], counts[NEXT] = _steps_at_once(problem), 0, 0
         began = perf_counter()
-        # the kernel returns False when its step budget is used up
+        # The kernel returns False when it has used its step budget.
         while not _call(kernel, most, problem, state, scratch):
-            pass  # Python handles signals here
+            pass  # Python handles signals between two calls of the kernel.
         found.seconds += perf_counter() - began
         return found.with_samples(first_samples(scratch.samples, int(scratch.log.counter[SAMPLE])))
 
@@ -180,14 +184,17 @@ class _KeptRun:
 def _kernel_and_steps(problem: Problem, plain: bool) -> tuple[Any, int]:
     """Return the compiled or plain kernel for a run, and the largest number of steps it may take."""
     chain, duration, most = problem.chain, problem.duration, problem.most_steps or MOST_FIXED_STEPS
-    # without a duration the number of steps is unknown: plain Python tries a limited number
+    # Without a duration, the number of steps is unknown. Plain Python tries a limited number.
     steps = PLAIN_STEPS / chain.contacts if duration is None else duration / problem.step + 1.0
     kernel = KERNELS.of(march, steps * chain.contacts if plain else np.inf)
     return kernel, most if kernel is march or duration is not None else min(most, int(steps))
 
 
 def _march_chain(kernel: Any, most: int, problem: Problem, state: State, scratch: Scratch) -> tuple[int, float]:
-    """Run a version of `march` on `state` for at most `most` steps. Return its status and the time it reached."""
+    """Run `march` on `state` for at most `most` steps. Return its status and the time that it reached.
+
+    `kernel` is the compiled or the plain version of `march`.
+    """
     span, counts = (state.time, problem.end, problem.duration is None, most), scratch.pause.counts
     code, time, counts[BEGUN] = PAUSED, state.time, 0
     while code == PAUSED:
@@ -202,7 +209,7 @@ def _steps_at_once(problem: Problem) -> int:
 
 
 def _call(kernel: Any, span: Any, problem: Problem, state: State, scratch: Scratch) -> Any:
-    """Call a version of a kernel on `state`. `span` is its time span, or its largest number of steps."""
+    """Call `kernel` on `state`. `span` is the time span of the call, or its largest number of steps."""
     chain, kept = problem.chain, (tuple(scratch.checkpoints), scratch.plan)
     records = motion_record(state), tuple(scratch.samples), tuple(scratch.log), kept, tuple(scratch.pause)
     task = (*DRIFTS_AND_KICKS[problem.method], problem.step), span, chain_records(chain, state)
@@ -212,7 +219,7 @@ def _call(kernel: Any, span: Any, problem: Problem, state: State, scratch: Scrat
 
 
 def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> Warnings:
-    """Return the warnings of a run that gave up or whose steps did not converge."""
+    """Return the warnings for a run that gave up, or whose steps did not converge."""
     found = []
     if status.gave_up:
         steps = problem.most_steps or MOST_FIXED_STEPS
@@ -226,7 +233,7 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
 
 
 def _call_kernels() -> None:
-    """Call every kernel once, so that all are compiled."""
+    """Call every kernel once. This compiles all of them."""
     chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))
