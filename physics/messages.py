@@ -1,7 +1,7 @@
-"""Error messages as codes with values, so that a program can test the code and a window can translate the sentence.
+"""Error messages with a code and values. A program can test the code, and a window can translate the sentence.
 
-The English sentence of a message is its template with the values filled in. `str(error)` is therefore readable in
-Python and in a terminal. The window fills the same values into the translation of the template.
+The English sentence of a message is its template, filled with the values. `str(error)` is therefore readable in Python
+and in a terminal. The window fills the same values into the translated template.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from typing import Any
 
 
 class Message(str):
-    """English sentence with its code, its template, and the values in it by name.
+    """English sentence with its code, its template, and a dictionary of the values in it.
 
-    ``str(message)`` is the message itself, so code and values are not lost if an error is raised again with the text of
-    another one. A value can be a Message as well.
+    ``str(message)`` is the message itself. If an error is raised again with the text of another error, code and values
+    are therefore preserved. A value can itself be a Message.
 
     >>> message = Message("depth", "depth must be at least {least:g}, not {given:g}", least=1e-16, given=1e-20)
     >>> print(message)
@@ -29,7 +29,7 @@ class Message(str):
 
     def __new__(cls, code: str, template: str, /, **values: Any) -> Message:
         """Return the message whose `template` is filled with `values`."""
-        # NumPy scalars become plain numbers. This module does not import NumPy, so that commands start fast.
+        # NumPy scalars become plain numbers. This module does not import NumPy, which keeps the start of commands fast.
         plain = {name: value.item() if hasattr(value, "item") else value for name, value in values.items()}
         made = super().__new__(cls, template.format(**plain))
         made.code, made.template, made.values = code, template, plain
@@ -39,12 +39,12 @@ class Message(str):
         return self
 
     def __reduce__(self) -> tuple[Callable[..., Message], tuple[str, str, dict[str, Any]]]:
-        """Return the parts, from which pickle makes the message again in another process."""
+        """Return the parts of the message for pickle, which rebuilds the message in another process."""
         return _message, (self.code, self.template, dict(self.values))
 
 
 def _message(code: str, template: str, values: dict[str, Any]) -> Message:
-    """Return a message; a function for pickle, which passes no keywords."""
+    """Return a message. Pickle calls this function, because it cannot pass keyword arguments."""
     return Message(code, template, **values)
 
 
@@ -70,21 +70,24 @@ class InputError(ValueError):
 
     @property
     def code(self) -> str:
-        """Short name of the problem, the same in every language and version."""
+        """Short name of the problem. It is the same in every language and version."""
         return self.message.code
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The values in the sentence by name."""
+        """Values in the sentence, by name."""
         return self.message.values
 
 
 def message_of(error: BaseException) -> str:
-    """Return the message of an error: a Message if the error has one, otherwise its text."""
+    """Return the message of an error. It is a Message if the error contains one, otherwise plain text."""
     found = error.args[0] if len(error.args) == 1 else None
     return found if isinstance(found, Message) else str(error)
 
 
 def N_(text: str) -> str:  # noqa: N802 - the name that gettext uses for it
-    """Return `text` unchanged. It is marked as a value `what` of messages, which is translated with its sentence."""
+    """Return `text` unchanged.
+
+    The call marks a text for translation. Such a text is used as the value `what` of a message.
+    """
     return text

@@ -1,4 +1,4 @@
-"""Table of all methods. `simulate`, tests, charts, menus and documentation are parametrised by it."""
+"""Table of all methods. `simulate`, tests, charts, menus and documentation all use this table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Family(Enum):
-    """Groups of methods that one runner carries out, see `softcradle.physics.simulation`."""
+    """Groups of methods. All methods of a group have the same runner, see `softcradle.physics.simulation`."""
 
     FIXED_STEP = "fixed_step"
     ADAPTIVE = "adaptive"
@@ -28,14 +28,15 @@ class Method:
     """Method that integrates the motion of a chain.
 
     Attributes:
-        name: the argument of `simulate(method=...)`.
+        name: name of the method, as in `simulate(method=...)`.
         order: order of convergence on smooth motion.
-        set_valued: True: a contact with preload can rest at overlap 0 (Signorini condition); False: it chatters there.
-        family: the runner that carries it out.
+        set_valued: True if a contact with preload can rest at overlap 0 (Signorini condition). With other methods
+            it chatters there.
+        family: group of the method, which determines its runner.
         summary: one line for menus.
         purpose: recommended use.
-        dissipative: True: supports bed friction and contacts with loss.
-        couplers: True: supports couplers.
+        dissipative: True if the method supports bed friction and contacts with loss.
+        couplers: True if the method supports couplers.
     """
 
     name: str
@@ -49,7 +50,7 @@ class Method:
 
     @property
     def adaptive(self) -> bool:
-        """Whether it has a tolerance and chooses its steps; otherwise it has a fixed step."""
+        """True if the method chooses its steps from a tolerance. Otherwise it has a fixed step."""
         return self.family in (Family.ADAPTIVE, Family.REFERENCE)
 
 
@@ -124,7 +125,7 @@ METHODS: tuple[Method, ...] = (
 )
 
 
-AUTO = "auto"  # Name for `simulate`: the rule of softcradle.physics.advice.auto_method chooses the method
+AUTO = "auto"  # Method name for `simulate`. The rule in softcradle.physics.advice.auto_method then chooses the method.
 
 
 def known_methods() -> list[str]:
@@ -133,8 +134,9 @@ def known_methods() -> list[str]:
 
 
 def refusal_of(method: str, chain: Chain) -> str:
-    """Return the reason why `method` (an existing name or "auto") does not support `chain`, with an alternative; "" if
-    it does.
+    """Return the reason why `method` does not support `chain`, and suggest an alternative.
+
+    Return "" if the method supports the chain. `method` is an existing name or "auto".
     """
     found = None if method == AUTO else find_method(method)
     if found and chain.piecewise and not found.couplers:
@@ -150,14 +152,15 @@ def refusal_of(method: str, chain: Chain) -> str:
             "method {method!r} moves bodies in a row without strings: take 'conserving', 'accurate' or 'scipy'",
             method=method,
         )
-    # The adaptive steps count the overlap of each segment from its own origin, and strings from rest.
+    # Adaptive steps measure the overlap from the origin of each segment. Strings need the overlap relative to the
+    # position at rest.
     if chain.swing and chain.has_segments and (found is None or found.family is Family.ADAPTIVE):
         return Message(
             "segments_on_strings",
             "method {method!r} takes beads on strings with one contact law from overlap 0 on: take 'conserving' or 'scipy'",
             method=method,
         )
-    # Adaptive methods continue a segment smoothly beyond its ends, which needs an exponent of 1 or more.
+    # Adaptive methods continue the force of a segment smoothly beyond its ends. This requires an exponent of 1 or more.
     events = found is None or found.family is Family.ADAPTIVE
     if events and not all(coupler.smooth for _, coupler in chain.piecewise):
         return Message(
@@ -178,10 +181,10 @@ def refusal_of(method: str, chain: Chain) -> str:
 
 
 def refusal_of_fineness(method: str, step: object, tolerance: object) -> str:
-    """Return the reason why `method` (an existing name or "auto") does not accept the given step or tolerance; "" if it
-    does.
+    """Return the reason why `method` does not accept the given step or tolerance.
 
-    None means that the step or the tolerance is not given.
+    Return "" if it accepts both. None stands for a step or tolerance that is not given. `method` is an existing name or
+    "auto".
     """
     fixed = any(one.name == method and not one.adaptive for one in METHODS)
     if fixed and tolerance is not None:
@@ -198,7 +201,8 @@ def refusal_of_fineness(method: str, step: object, tolerance: object) -> str:
 def find_method(name: str, others: Sequence[str] = (AUTO,)) -> Method:
     """Return the Method called `name`.
 
-    Raise ValueError for unknown names, with the nearest name and all names, including `others` that the caller accepts.
+    For an unknown name, raise ValueError with the most similar name and with all valid names. `others` are further
+    valid names of the caller.
     """
     if not isinstance(name, str):
         raise InputError(

@@ -1,4 +1,4 @@
-"""Notebook views of chains and trajectories. The sandbox, a layer above the physics, draws them."""
+"""Views of chains and trajectories in a notebook. The package `sandbox`, which is built on the physics, draws them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class InlineFilm:
-    """An .mp4 film that a notebook plays. `data` contains its bytes, `size` its pixels."""
+    """Film in .mp4 format that a notebook plays. `data` contains its bytes, `size` its width and height in pixels."""
 
     data: bytes
     size: tuple[int, int]
@@ -37,7 +37,7 @@ class InlineFilm:
 
 @dataclass(frozen=True, repr=False)
 class InlinePage:
-    """A live page in a cell of a notebook, in its own frame. `text` is its complete HTML."""
+    """Live page in a cell of a notebook, inside its own frame. `text` is the complete HTML of the page."""
 
     text: str
     height: int = 760  # height of the cell [pixels]
@@ -55,33 +55,40 @@ class InlinePage:
 
     @property
     def state(self) -> Any:
-        """The state of the page. Python can read it only with anywidget, so this raises an ImportError."""
+        """State of the page. Python can read it only with anywidget. Without anywidget, this property raises an
+        ImportError.
+        """
         with needed_for("live().state", "widget"):
             raise ModuleNotFoundError(name="anywidget")
 
 
 class Shown:
-    """Object that a notebook shows as a table, with a picture if something moves and matplotlib is installed."""
+    """Base class of objects that a notebook shows as a table.
+
+    If the object moves and matplotlib is installed, the notebook also shows a picture.
+    """
 
     def _repr_html_(self) -> str:
         return _module("views").html_of(self)
 
 
 class Moving(Shown):
-    """Trajectory or Scene: an object that can be plotted and played."""
+    """Base class of Trajectory and Scene, which can be plotted and played."""
 
     def plot(self) -> Figure:
-        """Plot velocities and forces of each lane of a scene over time, in the style of the figures of the paper.
-        Needs the extra [figures].
+        """Plot velocities and forces over time, for each lane of a scene. The style is that of the figures in the
+        paper.
+
+        This requires the extra [figures].
         """
         with needed_for("plot()", "figures"):
             return _module("figure_view").figure_of(self)
 
     def film(self, slow: float | None = None, size: tuple[int, int] = (800, 450)) -> InlineFilm:
-        """Return a film that a notebook plays. Needs the extra [film].
+        """Return a film that a notebook plays. This requires the extra [film].
 
-        `slow` is the number of seconds for one second of motion; the default is that of the scene, or six seconds in
-        total.
+        `slow` is the film time in seconds for one second of motion. The default is that of the scene. Without a scene,
+        the film lasts six seconds.
         """
         with needed_for("film()", "film"):
             return _module("views").film_of(self, slow, size)
@@ -89,8 +96,8 @@ class Moving(Shown):
     def to_page(self, path: str | PathLike[str], slow: float | None = None) -> None:
         """Write an HTML page that plays the motion.
 
-        `slow` is the number of seconds for one second of motion; the default is that of the scene, or six seconds in
-        total.
+        `slow` is the playing time in seconds for one second of motion. The default is that of the scene. Without a
+        scene, the page plays for six seconds.
 
         Raises
         ------
@@ -101,7 +108,10 @@ class Moving(Shown):
 
 
 def live_of(shown: object, slow: float | None) -> Any:
-    """Return the page of a Scene for a cell of a notebook: a LiveWidget if anywidget is installed, else an InlinePage."""
+    """Return a live page of a Scene for a cell of a notebook.
+
+    It is a LiveWidget if anywidget is installed, otherwise an InlinePage.
+    """
     text = import_module("softcradle.sandbox.page").scene_text(shown, slow)[0]
     try:
         return _module("live_widget").LiveWidget(text=text)

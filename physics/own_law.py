@@ -3,7 +3,7 @@
 overlap d <= 0   f = 0            (at d = 0 anything up to the limit of the law there, its preload)
 overlap d > 0    f = force(d)     >= 0, finite as far as the contact is pressed; if it falls with d, a run warns
 
-If the law has no `energy`, the force is integrated once.
+Here d is the overlap and f the force. If the law has no `energy`, the force is integrated once.
 """
 
 from __future__ import annotations
@@ -26,34 +26,37 @@ from softcradle.physics.segments import PiecewiseContact, Segment
 
 Array = NDArray[np.float64]
 
-LEAST_OVERLAP = 2.0**-900  # [m] Overlap at which the force counts as the preload of the law; it is below 1e-270.
-# Number of evenly spaced overlaps, and of logarithmically spaced ones, at which a law is tested before a run.
+LEAST_OVERLAP = 2.0**-900  # Overlap [m], below 1e-270, at which the force of the law counts as its preload.
+# Number of overlaps at which a law is tested before a run: as many evenly spaced as logarithmically spaced overlaps.
 PROBES = 33
-PROBED_DECADES = 12  # Decades below the expected depth that the logarithmic test points cover.
-FALL_WIDTH = 1e-6  # Relative precision of the overlap from which the force falls, as reported by a warning.
-RISE = 1e-9  # Fraction of the largest force. A larger decrease of the force is not round-off.
+# Number of decades below the expected depth that are covered by the logarithmically spaced test points.
+PROBED_DECADES = 12
+# Relative accuracy of the overlap at which the force begins to decrease. A warning reports this overlap.
+FALL_WIDTH = 1e-6
+RISE = 1e-9  # Relative decrease of the force that counts as real. Smaller decreases are round-off.
 TRUE_ENERGY = 1e-6  # Largest relative difference between the energy of a law and the integral of its force.
-# Largest relative error of the table of a law. If the error is larger, the computed force is mostly round-off.
+# Largest relative error of the table of a valid law. With a larger error, the force is mostly round-off.
 OWN_DIGITS = 1e-9
-FEW_DIGITS = 1e-6  # Fraction of the preload by which the force must exceed it to be distinguished from round-off.
-LEAST_FORCE = 1e-250  # Smallest force [N] with full precision; smaller ones may have lost digits.
-NEARLY_LINEAR = 1e-4  # An exponent that differs from 1 by less than this counts as 1.
-SLOPE_WIDTH = 1e-5  # Fraction of the overlap over which the slope of the force is computed as a difference.
+# Smallest difference between force and preload that is distinguishable from round-off, as a fraction of the preload.
+FEW_DIGITS = 1e-6
+LEAST_FORCE = 1e-250  # Smallest force [N] with full precision. Smaller forces may have lost digits.
+NEARLY_LINEAR = 1e-4  # Largest difference from 1 of an exponent that counts as 1.
+SLOPE_WIDTH = 1e-5  # Interval for the difference quotient of the force, as a fraction of the overlap.
 
 
 @runtime_checkable
 class Law(Protocol):
-    """Interface of a contact law: a method that returns the force [N] at an overlap > 0 [m]."""
+    """Interface of a contact law: an object with a method `force` that returns the force [N] at an overlap > 0 [m]."""
 
     def force(self, overlap: Any, /) -> SupportsFloat:
         """Return the force [N] at `overlap` > 0 [m]."""
 
 
 class TabledLaw:
-    """A user-defined contact law that consists only of its table, as it is stored in a file."""
+    """User-defined contact law that consists only of its table. A file stores a law in this form."""
 
     def __init__(self, name: str, table: LawTable) -> None:
-        """Store the table and the name of the function or class from which it was made."""
+        """Store the table, and the name of the function or class from which the table was made."""
         self.__name__, self.table = name, table
 
     def force(self, overlap: Any) -> Any:
@@ -64,26 +67,26 @@ class TabledLaw:
 
 @dataclass(frozen=True, repr=False)
 class OwnLaw:
-    """A user-defined contact that only pushes: ``f = law.force(overlap)`` while the beads overlap.
+    """A user-defined contact that only pushes. While the beads overlap, its force is ``law.force(overlap)``.
 
     A Chain also accepts the law itself. All methods support such contacts.
 
     Parameters
     ----------
     law : object or callable
-        An object with a method ``force(overlap)`` that returns the force [N] at an overlap > 0 [m], or that function
-        itself. It only needs to accept a single number; if it also accepts arrays, its table is built faster. The steps
-        take the force from this table, which is built once. It is accurate to 1e-13 if the law is smooth, and it
-        reproduces kinks.
+        An object with a method ``force(overlap)`` that returns the force [N] at an overlap > 0 [m], or a function
+        that returns this force. It must accept a single number. A table of the force is built once, and the steps
+        use the table. If the function also accepts arrays, the table is built faster. For a smooth law the table is
+        accurate to 1e-13. It also reproduces kinks.
     energy : callable, optional
-        Function that returns the stored energy [J], used in results. None: ``law.energy`` if it exists, else the
-        integral of the table. The steps always use that integral.
+        Function that returns the stored energy [J] for results. None means ``law.energy`` if it exists, otherwise
+        the integral of the table. The steps always use the integral of the table.
 
     Raises
     ------
     ValueError
-        `law` is neither an object with a force nor a function, its force does not take exactly one argument, or it is a
-        Contact or Coupler, whose loss or pull a force function cannot represent.
+        `law` is neither an object with a force nor a function, or its force does not take exactly one argument.
+        Also raised for a Contact or Coupler, because a force function cannot represent its loss or its pull.
 
     Examples
     --------
@@ -111,7 +114,7 @@ class OwnLaw:
                 "a user-defined law must be a function or have a method force(overlap), not {given}",
                 given=shown(law),
             )
-        # the energy is optional; both functions must take exactly one argument
+        # The energy is optional. Force and energy must take exactly one argument.
         found = getattr(law, "energy", None) if energy is None else energy
         if found is not None and not callable(found):
             raise InputError(
@@ -131,28 +134,28 @@ class OwnLaw:
     def __hash__(self) -> int:
         try:
             return hash((self.law, self.energy_of))
-        except TypeError:  # a law that is compared by its numbers, such as a dataclass
+        except TypeError:  # The law is not hashable. An example is a dataclass, which is compared by its fields.
             return hash(type(self.law))
 
     @property
     def name(self) -> str:
-        """Name of the law: that of its function or class, and "own law" for a lambda."""
+        """Name of the law. It is the name of its function or class, or "own law" for a lambda function."""
         name = str(getattr(self.law, "__name__", type(self.law).__name__))
         return "own law" if name == "<lambda>" else name
 
     @cached_property
     def force_of(self) -> Callable[[float], SupportsFloat]:
-        """The force as the function that the user supplied."""
+        """Force of the law, as the function that the user supplied."""
         return self.law.force if isinstance(self.law, Law) else self.law
 
     @cached_property
     def preload(self) -> float:
-        """Force [N] at which the contact begins to yield: the limit of the law at overlap 0.
+        """Force [N] at which the contact begins to yield: the limit of the force at overlap 0.
 
-        For ``F + K d**a`` the result is F, even if the exponent is so small that the force at every overlap is far
-        above F.
+        For ``F + K d**a`` the result is F. This also holds for an exponent so small that the force is far above F at
+        every overlap.
         """
-        # Aitken extrapolation of the force at three tiny overlaps in geometric sequence.
+        # Aitken extrapolation of the force from three tiny overlaps that form a geometric sequence.
         last, middle, first = self._force(np.array([LEAST_OVERLAP ** (k / 3.0) for k in (3, 2, 1)])).tolist()
         if first == 0.0 or middle == last:
             return last
@@ -162,23 +165,27 @@ class OwnLaw:
 
     @property
     def onset(self) -> tuple[float, float, float]:
-        """The power law ``F + K d**a`` with which the law begins: preload F [N], stiffness K [N/m**a] and exponent a.
+        """Power law ``F + K d**a`` that approximates the law at small overlaps: preload F [N], stiffness K [N/m**a],
+        exponent a.
 
-        A law that begins with slope 0 has K = 0 and a = 1.
+        If the slope of the law at overlap 0 is 0, then K = 0 and a = 1.
         """
         return self._begins[0]
 
     @property
     def digits_from(self) -> float:
-        """Overlap [m] below which the force above a preload is only round-off: there `onset` replaces the table."""
+        """Overlap [m] below which `onset` replaces the table.
+
+        At smaller overlaps, the difference between force and preload in the table is only round-off.
+        """
         return self._begins[1]
 
     @cached_property
     def _begins(self) -> tuple[tuple[float, float, float], float]:
-        """The onset, and the overlap [m] from which the table is more accurate."""
+        """The onset of the law, and the overlap [m] above which the table is more accurate than the onset."""
         table, preload = self.table, self.preload
         overlaps = table.edge[1:-1]
-        # the first pieces whose force above the preload is larger than round-off
+        # Find the first pieces in which the difference between force and preload is larger than round-off.
         above = table.values(table.force, overlaps) - preload
         seen = (above > max(FEW_DIGITS * preload, LEAST_FORCE)) & (table.error < OWN_DIGITS)[1:]
         if not seen.any():
@@ -194,12 +201,15 @@ class OwnLaw:
 
     @property
     def segments(self) -> tuple[Segment]:
-        """The graph of the contact: one segment with a table."""
+        """Segments of the force graph. A user-defined law has a single segment with a table."""
         return (Segment(1.0, 0.0, *self.onset, table=self.table, table_from=self.digits_from),)
 
     @cached_property
     def table(self) -> LawTable:
-        """The law as the kernels use it: polynomials that equal the force to round-off wherever it has no step, see `error`."""
+        """Polynomials that represent the law in the kernels.
+
+        They equal the force to round-off, except at its steps; see the field `error` of the table.
+        """
         if isinstance(self.law, TabledLaw):
             return self.law.table
         return law_table(self.tried)
@@ -210,14 +220,16 @@ class OwnLaw:
     def force(self, overlap: ArrayLike) -> Array: ...
 
     def force(self, overlap: ArrayLike) -> Numbers:
-        """Return the force [N] at `overlap` [m], any shape; 0 while open.
+        """Return the force [N] at `overlap` [m], any shape. The force of an open contact is 0.
 
-        Raises ValueError if the law does not return a finite force >= 0.
+        Raise ValueError if the law does not return a finite force >= 0.
         """
         return self._where_pressed(overlap, self._force)
 
     def tried(self, overlap: Array) -> Array:
-        """Return the force [N] at trial overlaps > 0 [m] of a solver, any shape; NaN if the function fails."""
+        """Return the force [N] at overlaps > 0 [m] that a solver tries, any shape. The result is NaN if the function
+        fails.
+        """
         flat = self._values(self.force_of, overlap.ravel(), self._takes_arrays)
         return flat.reshape(overlap.shape)
 
@@ -227,7 +239,7 @@ class OwnLaw:
     def energy(self, overlap: ArrayLike) -> Array: ...
 
     def energy(self, overlap: ArrayLike) -> Numbers:
-        """Return the stored energy [J] at `overlap` [m], any shape; 0 while open."""
+        """Return the stored energy [J] at `overlap` [m], any shape. The energy of an open contact is 0."""
         return self._where_pressed(overlap, self._energy)
 
     @overload
@@ -236,9 +248,10 @@ class OwnLaw:
     def overlap(self, force: ArrayLike) -> Array: ...
 
     def overlap(self, force: ArrayLike) -> Numbers:
-        """Return the overlap [m] at which the contact pushes with `force` [N], any shape; 0 below the preload.
+        """Return the overlap [m] at which the contact pushes with `force` [N], any shape. The result is 0 below the
+        preload.
 
-        For a force that is never reached the result is inf, or the last overlap at which the law has a value.
+        If the law never reaches the force, the result is inf, or the last overlap at which the law has a value.
         """
         forces, table = np.asarray(force, dtype=np.float64), self.table
         found = [
@@ -247,11 +260,16 @@ class OwnLaw:
         return found[0] if forces.ndim == 0 else np.reshape(found, forces.shape)
 
     def depth(self, energy: float) -> float:
-        """Return the overlap [m] at which the contact stores `energy` [J], or inf if it never stores that much."""
+        """Return the overlap [m] at which the contact stores `energy` [J]. It is infinite if the contact never stores
+        so much.
+        """
         return self.table.overlap(self.table.energy, energy) if energy > 0.0 else 0.0
 
     def slope(self, overlap: float) -> float:
-        """Return the slope df/dd [N/m] of the force at an overlap > 0 [m], by a difference; NaN if the function fails."""
+        """Return the slope df/dd [N/m] of the force at an overlap > 0 [m], as a difference quotient.
+
+        The result is NaN if the function fails.
+        """
         low, high = overlap * (1.0 - SLOPE_WIDTH), overlap * (1.0 + SLOPE_WIDTH)
         below, above = self.tried(np.array([low, high])).tolist()
         return float(max(above - below, 0.0) / (high - low))
@@ -265,14 +283,14 @@ class OwnLaw:
         return self.energy_of is not None and _takes_arrays(self.energy_of)
 
     def _force(self, overlaps: Array) -> Array:
-        """Return the forces (k,) at overlaps (k,) > 0, or raise a ValueError."""
+        """Return the forces (k,) at overlaps (k,) > 0. Raise ValueError if a force is not valid."""
         return self._checked(N_("force"), self.tried(overlaps), overlaps, "N")
 
     def _energy(self, overlaps: Array) -> Array:
         if self.energy_of is None:
             return self._checked(N_("energy"), self.table.values(self.table.energy, overlaps), overlaps, "J")
         found = self._values(self.energy_of, overlaps, self._energy_takes_arrays)
-        # an energy computed as a difference may be rounded to below 0
+        # An energy computed as a difference may be slightly negative because of round-off.
         found = np.where(np.isfinite(found), np.maximum(found, 0.0), found)
         return self._checked(N_("energy"), found, overlaps, "J")
 
@@ -294,9 +312,10 @@ class OwnLaw:
 
     @staticmethod
     def _values(function: Callable[[float], SupportsFloat], overlaps: Array, arrays: bool) -> Array:
-        with np.errstate(all="ignore"):  # values that are not finite raise an error later, or end an integral
+        with np.errstate(all="ignore"):  # Values that are not finite raise an error later, or end the integration.
             if arrays:
-                with suppress(ArithmeticError, ValueError):  # One element failed: compute the others one by one.
+                # The function failed for one element. Compute the other elements one by one.
+                with suppress(ArithmeticError, ValueError):
                     found: Any = cast(Any, function)(overlaps)
                     return np.array(np.broadcast_to(np.asarray(found, dtype=np.float64), overlaps.shape))
             return np.array([_number(function, overlap) for overlap in overlaps.tolist()])
@@ -311,9 +330,9 @@ class OwnLaw:
         return float(found) if overlaps.ndim == 0 else found
 
     def require_usable(self, depth: float) -> None:
-        """Raise ValueError if force or energy are not numbers >= 0 up to `depth` [m], or disagree with each other.
+        """Raise ValueError if force or energy is invalid at an overlap up to `depth` [m].
 
-        They agree if the energy is the integral of the force.
+        Both must be numbers >= 0, and the energy must be the integral of the force.
         """
         overlaps = self.probes(depth)
         forces, energies = self._force(overlaps), self._energy(overlaps)
@@ -324,7 +343,7 @@ class OwnLaw:
         low, high = overlaps[:-1], overlaps[1:]
         inside = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * node
         work = 0.5 * (high - low) * (self._force(inside.ravel()).reshape(inside.shape) @ weight)
-        # compare with the differences of the energy, and the first energy with force times overlap
+        # Compare with the differences of the energy. Compare the first energy with force times overlap.
         apart = np.abs(np.diff(energies) - work)
         least = float(forces[0] * overlaps[0])
         k = int(np.argmax(apart))
@@ -342,14 +361,18 @@ class OwnLaw:
             )
 
     def falls(self, depth: float) -> float:
-        """Return the overlap [m] from which the force first decreases, searched up to `depth`; 0 if it never decreases."""
+        """Return the smallest overlap [m] at which the force begins to decrease. Only overlaps up to `depth` [m] are
+        searched.
+
+        Return 0 if the force never decreases.
+        """
         overlaps = self.probes(depth)
         forces = self._force(overlaps)
         down = np.flatnonzero(np.diff(forces) < -RISE * forces.max())
         if not down.size:
             return 0.0
-        # Find the largest force in the interval around the first decrease. Each pass shrinks the interval by a factor
-        # of PROBES / 2.
+        # Find the largest force in the interval around the first decrease. Each iteration shrinks the interval by a
+        # factor of PROBES / 2.
         low, high = float(overlaps[max(down[0] - 1, 0)]), float(overlaps[down[0] + 1])
         while high - low > FALL_WIDTH * high:
             overlaps = np.linspace(low, high, PROBES)
@@ -360,7 +383,7 @@ class OwnLaw:
 
     @staticmethod
     def probes(depth: float) -> Array:
-        """Return the overlaps (k,) [m] at which the law is tested, ascending to `depth`."""
+        """Return the overlaps (k,) [m] at which the law is tested, in ascending order. The largest is `depth`."""
         by_power = depth * 10.0 ** np.linspace(-PROBED_DECADES, 0.0, PROBES)
         return np.unique(np.concatenate((by_power, np.linspace(0.0, depth, PROBES)[1:])))
 
@@ -373,7 +396,10 @@ def is_law(value: object) -> bool:
 
 
 def _require_one_argument(what: str, function: Callable[[float], SupportsFloat]) -> None:
-    """Raise ValueError if `function`, the force or energy of a law, does not take exactly one argument, the overlap."""
+    """Raise ValueError if `function` does not take exactly one argument, the overlap.
+
+    `what` names the function in the message: the force or the energy of a law.
+    """
     try:
         taken = inspect.signature(function)
     except (TypeError, ValueError):  # some functions written in C do not provide a signature
@@ -391,22 +417,24 @@ def _require_one_argument(what: str, function: Callable[[float], SupportsFloat])
 
 
 def _number(function: Callable[[float], SupportsFloat], overlap: float) -> float:
-    """Return the value at one overlap, or NaN if the function fails there."""
+    """Return the value of `function` at one overlap, or NaN if the function fails."""
     try:
         return float(function(overlap))
-    except (ArithmeticError, ValueError):  # for example an overflow in math.exp, or a domain error in math.log
+    except (ArithmeticError, ValueError):  # Examples are an overflow in math.exp and a domain error in math.log.
         return math.nan
 
 
 def _takes_arrays(function: Callable[[float], SupportsFloat]) -> bool:
-    """Return True if the function returns the same values for an array as for its elements one by one."""
+    """Return True if `function` accepts arrays, and returns the same values for an array as for its elements one by
+    one.
+    """
     probe = np.array([1e-3, 0.1, 0.5])
     try:
         with np.errstate(all="ignore"):
             together: Any = cast(Any, function)(probe.copy())
             found = np.broadcast_to(np.asarray(together, dtype=np.float64), probe.shape)
-    except Exception:  # a function for numbers may raise any exception for an array
+    except Exception:  # A function that expects numbers may raise any exception for an array.
         return False
-    # Evaluate the overlaps one by one as well. Only a function with equal results is called with arrays.
+    # Evaluate the overlaps one by one as well. A function is called with arrays only if both results are equal.
     alone = np.array([_number(function, value) for value in probe.tolist()])
     return bool(np.allclose(found, alone, rtol=1e-13, atol=0.0, equal_nan=True))

@@ -62,8 +62,8 @@ MOST_FIXED_STEPS = 100_000_000
 PAUSE = 2_000_000
 # Largest number of checkpoints of a run, and largest number of floats in them (32 MB).
 MOST_ROWS, MOST_NUMBERS = 1024, 2**22
-# Number of steps between two checkpoints at the start of a run. If the step loop returned after every step, a short
-# chain would take 50 % more time.
+# Number of steps between two checkpoints at the start of a run. Leaving the step loop after every step would take half
+# of the computing time of a short chain.
 FIRST_SPACING = 4
 # Number of steps times contacts that plain Python tries in a run without a duration. It takes about one second.
 PLAIN_STEPS = 20_000

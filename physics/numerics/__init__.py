@@ -1,1 +1,3 @@
-"""Kernels that several methods share: compilation, contact laws and their resolvents, powers, the solver of contact forces."""
+"""Kernels that several methods share: compilation, contact laws and their resolvents, powers, and the solver of contact
+forces.
+"""

@@ -1,7 +1,7 @@
-"""Kernels run as plain Python with bitwise the same results: for single numbers, and for powers of arrays.
+"""Kernels that run as plain Python with bitwise the same results. They accept single numbers, and arrays for powers.
 
-NumPy's own powers depend on the processor. Powers of arrays run the source of `elementary` on whole arrays instead: its
-sums and products are then NumPy's, which rounds them as the compiled kernels do.
+The last digit of NumPy's own powers depends on the processor. Therefore, powers of arrays are computed by the source of
+`elementary`, applied to whole arrays. NumPy rounds sums and products in the same way as the compiled kernels.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-FEW = 12  # Number of values up to which it is faster to compute them one by one.
+FEW = 12  # Largest number of values for which computing one value after the other is faster than using arrays.
 
 _names: dict[str, dict[str, Any]] = {}
 
 
 @cache
 def plain(kernel: Any) -> Any:
-    """Return the source of `kernel` as a plain Python function, which calls only plain Python functions."""
+    """Return `kernel` as a plain Python function. Kernels that it calls are plain Python functions as well."""
     source = getattr(kernel, "py_func", None)
     if source is None:
         return kernel
@@ -33,7 +33,7 @@ def plain(kernel: Any) -> Any:
 
 
 def _plain_names(module: str) -> dict[str, Any]:
-    """Return the names of a module, with plain functions in place of its kernels."""
+    """Return all names of a module as a dictionary. Its kernels are replaced by plain Python functions."""
     if module not in _names:
         found = _names[module] = dict(vars(sys.modules[module]))
         found.update({name: plain(value) for name, value in list(found.items()) if hasattr(value, "py_func")})
@@ -41,26 +41,30 @@ def _plain_names(module: str) -> dict[str, Any]:
 
 
 def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
-    """Return ``base**exponent``, broadcast together, for base >= 0 or NaN and exponents other than 0."""
+    """Return ``base**exponent``. Both arguments are broadcast together.
+
+    The base must be >= 0 or NaN, and the exponent must not be 0.
+    """
     from softcradle.physics.numerics import (
-        elementary,  # Imported here because it imports numba, which is not needed if chains are only inspected.
+        # This import loads numba. It is inside the function because inspecting a chain does not need numba.
+        elementary,
     )
 
     b, a = np.broadcast_arrays(np.asarray(base, dtype=np.float64), np.asarray(exponent, dtype=np.float64))
     power = plain(elementary.power)
-    # few values: each different pair once
+    # For few values, compute each different pair once.
     if b.size <= FEW:
         pairs = list(zip(b.ravel().tolist(), a.ravel().tolist(), strict=True))
         different = {pair: power(*pair) for pair in dict.fromkeys(pairs)}
         return np.array([different[pair] for pair in pairs]).reshape(b.shape)
-    # the usual range on whole arrays, with the steps of `elementary.usual_power`
+    # For values in the usual range, apply the steps of `elementary.usual_power` to whole arrays.
     of_arrays = _of_arrays()
     usual = (b >= elementary.LEAST) & (b <= elementary.MOST)
     x, more = of_arrays["times_log"](a.copy(), np.where(usual, b, 1.0), 0)
     usual &= np.abs(x + more) < elementary.USUAL
     x, more = np.where(usual, x, 0.0), np.where(usual, more, 0.0)
     factor, rest = of_arrays["reduced"](x + more, x, more)
-    # special cases: base 0, then each value outside the usual range by itself
+    # Special cases: base 0, then each value outside the usual range, one after the other.
     found = np.where(b == 0.0, np.where(a > 0.0, 0.0, np.inf), factor + factor * rest)
     for k in np.argwhere((~usual & (b != 0.0)) | (a == 1.0) | (a == 1.5)).tolist():
         found[tuple(k)] = power(float(b[tuple(k)]), float(a[tuple(k)]))
@@ -69,16 +73,16 @@ def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
 
 @cache
 def _of_arrays() -> dict[str, Any]:
-    """Return the names of `elementary` as plain Python, with tables and bit operations that accept arrays."""
+    """Return the names of `elementary` as plain Python functions. The tables and bit operations accept arrays."""
     from softcradle.physics.numerics import elementary
 
     found: dict[str, Any] = dict(vars(elementary))
-    # the functions of `elementary` call each other through this dictionary
+    # The functions of `elementary` find each other in this dictionary.
     for name, value in vars(elementary).items():
         source = getattr(value, "py_func", value)
         if isinstance(source, FunctionType) and source.__module__ == elementary.__name__:
             found[name] = FunctionType(source.__code__, found, name, source.__defaults__)
-    # tables as arrays, and bits by reinterpreting the memory
+    # Provide the tables as arrays, and obtain the bits of numbers by reinterpreting the memory.
     for name in ("INVERSE", "LOG_HEAD", "LOG_TAIL", "POWER", "POWER_TAIL"):
         found[name] = np.array([plain(found[name])(k) for k in range(128)]).take
     found |= {"bits_of": lambda number: number.view(np.int64), "float_of": lambda bits: bits.view(np.float64)}
