@@ -1,4 +1,4 @@
-"""Interface of the runners: one Problem in, one Record out, for every method."""
+"""Interface of the runners. For every method, the input is a Problem and the output is a Record."""
 
 from __future__ import annotations
 
@@ -17,23 +17,25 @@ from softcradle.physics.status import Status, Warnings
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 200_000  # Steps of an adaptive method, including rejected ones, before a run gives up
+MOST_STEPS = 200_000  # Number of steps of an adaptive method after which a run gives up. Rejected steps count.
 NO_TIMES = np.zeros(0)
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A motion to compute.
+    """Motion to compute: a chain, its start, a method and its settings.
 
     Attributes:
-        chain, state: the chain and its start.
+        chain, state: the chain, and its state at the start.
         method: name of the method.
-        duration: time to run [s]; None: until every contact is open and none can close again.
-        step: fixed step [s]; 0 for adaptive methods.
-        tolerance: wanted error; 0 for fixed steps.
+        duration: time to run [s]. None means until every contact is open and none can close again.
+        step: fixed time step [s]; 0 for adaptive methods.
+        tolerance: wanted error of velocities, relative to the speed scale; 0 for fixed steps.
         samples: number of evenly spaced samples, or their times (T,) [s].
-        budget: steps after which an adaptive run counts as chattering; None: from its chain and tolerance.
-        most_steps: largest number of adaptive steps in a frame of live use; None: a whole motion without this limit.
+        budget: number of steps after which an adaptive run counts as chattering. None means the usual budget for
+            its chain and tolerance.
+        most_steps: largest number of adaptive steps in a frame of live use. None means a whole motion without this
+            limit.
     """
 
     chain: Chain
@@ -53,7 +55,7 @@ class Problem:
 
     @cached_property
     def scale(self) -> float:
-        """Speed [m/s] that the tolerance is relative to: the largest possible closing speed, see `closing_scale`."""
+        """Speed [m/s] to which the tolerance is relative: the largest possible closing speed, see `closing_scale`."""
         external = self.state.external(self.chain)
         return closing_scale(self.chain, self.velocity, self.state.overlap, external, self.duration, self.tolerance)
 
@@ -64,12 +66,12 @@ class Problem:
 
     @property
     def ends_alone(self) -> bool:
-        """Whether only the start and the end of the run are wanted as samples."""
+        """True if the only wanted samples are the start and the end of the run."""
         return isinstance(self.samples, int) and self.samples == 2
 
     @property
     def keeps(self) -> bool:
-        """Whether the run has to store data from which samples are computed after its end."""
+        """True if the run has to store data from which samples are computed after its end."""
         return self.duration is None and not self.ends_alone
 
     def sample_times(self, end: float) -> Array:
@@ -84,21 +86,24 @@ class Problem:
 
 @dataclass
 class Record:
-    """Result of a runner: samples, contact switches in order of time, the end, the cost.
+    """Result of a runner: samples, contact switches in order of time, the state at the end, and the cost.
 
     Attributes:
         chain: the chain.
-        samples: fewer than wanted if the run gave up.
-        switch_contact, switch_time: every change of a contact between open and closed (all start open).
-        end: State at the end of the run.
+        samples: samples of the motion. There are fewer than wanted if the run gave up.
+        switch_contact, switch_time: contact and time of every change between open and closed. All contacts start
+            open.
+        end: state at the end of the run.
         steps, evaluations: cost.
         status: how the run ended.
         warnings: possible problems.
-        seconds: wall time of the solver without loading of kernels; 0 if `simulate` has to measure it.
+        seconds: computing time of the solver [s], without loading of kernels. If it is 0, `simulate` measures the
+            time.
         velocity_error: (n+1,) estimated error [m/s] of the bead velocities at the end; empty without an estimate.
-        growth: error amplification along the motion by its bounces.
-        carried_from: time [s] from which `conserving` computed the rest because the step budget ended; NaN otherwise.
-        kept: stored data of the run, as long as samples are still to be computed.
+        growth: error amplification by the bounces of the motion.
+        carried_from: time [s] at which the step budget ended, so that `conserving` computed the rest of the motion.
+            Otherwise NaN.
+        kept: stored data of the run from which samples are still to be computed.
     """
 
     chain: Chain
@@ -122,20 +127,23 @@ class Record:
         return self.end.velocity(self.chain)
 
     def with_samples(self, samples: Samples) -> Record:
-        """Return this record with its samples, which are complete now."""
+        """Return this record with the given samples. They complete the record."""
         self.samples, self.kept = samples, None
         return self
 
 
 class KeptRun(Protocol):
-    """Stored data of a run without a duration, whose sample times are known only at its end."""
+    """Interface of the stored data of a run without a duration. Its sample times are known only after its end."""
 
     def record(self, found: Record, times: Array, /) -> Record:
-        """Return the record `found` of the run with its samples at `times` (T,) [s]."""
+        """Add samples at `times` (T,) [s] to the record `found` of the run."""
 
 
 class Runner(Protocol):
-    """A runner moves chains with the methods of one family. A module with these two functions is a runner."""
+    """Interface of a runner, which moves chains with the methods of one family.
+
+    A module with these two functions is a runner.
+    """
 
     def run(self, problem: Problem, /) -> Record:
         """Compute the whole motion; ``problem.state`` stays unchanged."""
@@ -150,7 +158,7 @@ def empty_samples(times: Array, contacts: int) -> Samples:
     return Samples(times, np.zeros(wide), np.zeros(wide), np.zeros((count, 2)), np.zeros(wide), np.zeros((count, 4)))
 
 
-NO_SAMPLES = empty_samples(NO_TIMES, 0)  # Samples of a record while they are still to be computed
+NO_SAMPLES = empty_samples(NO_TIMES, 0)  # Samples of a record whose samples are still to be computed
 
 
 def first_samples(samples: Samples, count: int) -> Samples:
@@ -159,7 +167,10 @@ def first_samples(samples: Samples, count: int) -> Samples:
 
 
 def run_to_end(problem: Problem, once: Callable[[Problem, Array], Record]) -> Record:
-    """Run `once(problem, sample times)`. Without a duration, the samples are computed from the stored data of the run."""
+    """Run `once(problem, sample times)` and return its record.
+
+    Without a duration, the samples are computed afterwards from the stored data of the run.
+    """
     if problem.duration is not None:
         return once(problem, problem.sample_times(problem.end))
     found = once(problem, NO_TIMES)
@@ -168,7 +179,10 @@ def run_to_end(problem: Problem, once: Callable[[Problem, Array], Record]) -> Re
 
 
 def with_ends_as_samples(found: Record, start: State, times: Array) -> Record:
-    """Return the record with its `start` or its end as samples at `times`; none of these times is in between."""
+    """Return the record with samples at `times`, each of which is the start or the end of the run.
+
+    Samples at the start come from `start`. No time may lie between start and end.
+    """
     states = [found.end if time > start.time else start for time in times.tolist()]
     if not states:
         return found.with_samples(empty_samples(times, start.overlap.size))

@@ -1,4 +1,4 @@
-"""Warnings about collisions in a Space: a step that is too long for them, and bodies that pass through each other."""
+"""Warnings about collisions in a Space: a time step that is too long, and bodies that pass through each other."""
 
 from __future__ import annotations
 
@@ -12,23 +12,24 @@ from weakref import WeakKeyDictionary
 import pymunk
 from softcradle.physics.pymunk_contacts.post_step import call_after_step
 
-# Factor by which the speed or the step must exceed the values that were checked before, so that they are checked again.
+# Factor of growth of the collision speed or of the step after which the step is checked again.
 FASTER = 1.1
-# Fraction of the touching distance within which the recommended stiffness absorbs the energy of the blow. The rest is a
-# margin: pymunk's positions lag by half a step, and other forces may press the bodies together during the blow.
+# Part of the touching distance within which the recommended stiffness absorbs the energy of the collision. The rest is
+# a margin. It is needed because pymunk's positions lag by half a step, and because other forces may press the bodies
+# together.
 HELD = 0.7
 
 
 @dataclass
 class BlowWatch:
-    """State of the warnings in one Space.
+    """Record of the collisions in one Space, and of the warnings about them.
 
     Attributes
     ----------
     fastest : float
         Speed of the fastest collision of a SoftContact so far [m/s].
     too_long, passed : set of str
-        Contact laws for which the warning of this kind has been given.
+        Contact laws for which a warning has been given: about a too long step, and about passed bodies.
     """
 
     fastest: float = 0.0
@@ -52,14 +53,14 @@ def warn_after_step(constraint: pymunk.Constraint, sentence: str) -> None:
 def kinetic_energy(bodies: Iterable[pymunk.Body]) -> float:
     """Return the kinetic energy [J] that the contacts between `bodies` can absorb.
 
-    It is relative to a body that contacts cannot move, if there is one (the one with the largest result), else to the
-    centre of mass.
+    The velocities are relative to a body that contacts cannot move. If there are several such bodies, the one with the
+    largest result is used. If there is none, the velocities are relative to the centre of mass.
     """
     found = list(bodies)
     moving = [body for body in found if body.body_type == pymunk.Body.DYNAMIC]
     frames = [body.velocity for body in found if body.body_type != pymunk.Body.DYNAMIC]
     if not frames:
-        # without a fixed body the motion of the common centre of mass stays
+        # Without a fixed body, the velocity of the common centre of mass does not change.
         momentum = sum((body.mass * body.velocity for body in moving), pymunk.Vec2d(0.0, 0.0))
         frames = [momentum / sum(body.mass for body in moving)]
     turning = sum(0.5 * body.moment * body.angular_velocity**2 for body in moving if body.angular_velocity)
@@ -69,7 +70,8 @@ def kinetic_energy(bodies: Iterable[pymunk.Body]) -> float:
 
 
 def passing_sentence(what: str, law: Any, energy: float, touching: float) -> str:
-    """Return the warning that two bodies have passed through each other, with the stiffness that would have stopped them.
+    """Return the warning that two bodies have passed through each other. It recommends a stiffness that would have
+    stopped them.
 
     Parameters
     ----------
@@ -78,17 +80,17 @@ def passing_sentence(what: str, law: Any, energy: float, touching: float) -> str
     law : Contact or OwnLaw
         Law of the contact between them.
     energy : float
-        Energy of the blow [J].
+        Energy of the collision [J].
     touching : float
         Touching distance [m].
     """
-    # compare the energy of the blow with the energy that the contact stores within the fraction HELD
+    # Compare the energy of the collision with the energy that the contact stores up to the fraction HELD of its depth.
     held = law.energy(HELD * touching)
     times = energy / held if held > 0.0 else math.inf
     begin = f"{what} passed through each other"
     if times <= 1.0:
         return f"{begin} within one step, though the contact between them is stiff enough: take shorter steps"
-    # for a power law name the numbers to set, for any other law only the factor
+    # For a power law, name the parameters to set. For any other law, name only the factor.
     name = getattr(law, "name", None) or str(law)
     way_out = f"a force {times:.3g} times as large"
     if getattr(law, "stiffness", 0.0) and not law.preload:

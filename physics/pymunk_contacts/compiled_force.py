@@ -1,7 +1,7 @@
 """Compiled force callbacks for pymunk springs, through pymunk's private C interface.
 
-pymunk does not guarantee this interface. Each part that softcradle uses is checked once, on a spring made for the test.
-If a check fails, Python callbacks are used instead.
+pymunk does not guarantee that this interface stays the same. Each part that softcradle uses is checked once, on a test
+spring. If a check fails, Python callbacks are used instead.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from typing import Any
 import pymunk
 from softcradle.physics.pymunk_contacts.compiled_law import LAW_SLOT, compiled_push
 
-# Fields: preload, stiffness, exponent, touching distance, overlap (NaN: computed from the distance), 1 if the contact
-# was closed, and the address of the C function that calls the Python callback.
+# Fields of a law: preload, stiffness, exponent, touching distance, overlap, a flag, and an address. If the overlap is
+# NaN, it is computed from the distance. The flag is 1 if the contact was closed. The address is that of the C function
+# that calls the Python callback.
 LAW_TYPE = "double[7]"
 
 
@@ -24,13 +25,14 @@ def unavailable() -> str:
 
 
 def attach(spring: pymunk.DampedSpring) -> Any:
-    """Replace the force of `spring` by compiled code. Return its law, an array of numbers that may be changed at any time.
+    """Replace the force function of `spring` by compiled code. Return the array of numbers that define its contact law.
 
-    The law must live as long as the spring: store a reference to it in the spring.
+    The numbers may be changed at any time. The array must live as long as the spring, so store a reference to it in the
+    spring.
     """
     from pymunk._chipmunk_cffi import ffi, lib
 
-    # the law is a C array; its address is written into the unused stiffness slot
+    # The law is a C array. Its address is stored in the stiffness field of the spring, which is not used otherwise.
     law = ffi.new(LAW_TYPE)
     law[6] = _python_address()
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
@@ -40,20 +42,23 @@ def attach(spring: pymunk.DampedSpring) -> Any:
 
 @cache
 def _callback() -> tuple[Any, str]:
-    """Return the C function pointer and "", or None and the reason for its absence."""
+    """Return the C function pointer and "". If compiled callbacks are not available, return None and the reason."""
     try:
         from pymunk._chipmunk_cffi import ffi
 
         _check_layout(ffi)
         function = ffi.cast("cpDampedSpringForceFunc", compiled_push().address)
         _check_call(ffi, function)
-    except Exception as error:  # a private interface and a compiler may raise any exception
+    except Exception as error:  # A private interface or a compiler may raise any exception.
         return None, f"{type(error).__name__}: {error}"
     return function, ""
 
 
 def _python_address() -> float:
-    """Return the address of pymunk's C function that calls a Python callback, as a float (exact below 2**53)."""
+    """Return the address of pymunk's C function that calls a Python callback.
+
+    The address is returned as a float, which is exact below 2**53.
+    """
     from pymunk._chipmunk_cffi import ffi, lib
 
     return float(int(ffi.cast("intptr_t", ffi.addressof(lib, "ext_cpDampedSpringForceFunc"))))
@@ -64,23 +69,24 @@ def _probe(stiffness: float) -> pymunk.DampedSpring:
 
 
 def _check_layout(ffi: Any) -> None:
-    """Raise RuntimeError unless the slot for the address of the law is the stiffness of the spring.
+    """Raise RuntimeError unless the field with the address of the law is the stiffness of the spring.
 
-    The compiled force does not use the stiffness.
+    The compiled force does not need the stiffness of the spring.
     """
-    # two unusual values: a wrong slot would hardly contain both
+    # Use two unusual values. A wrong field would hardly contain both.
     for stiffness in (1.25e67, -3.5e-41):
         if ffi.cast("double *", _probe(stiffness)._constraint)[LAW_SLOT] != stiffness:
             raise RuntimeError(f"pymunk {pymunk.version} lays its springs out in another way")
 
 
 def _check_call(ffi: Any, function: Any) -> None:
-    # test the force of a closed and of an open contact
+    # Test the force of a closed contact and of an open contact.
     spring, law = _probe(0.0), ffi.new(LAW_TYPE, [0.5, 3.0, 1.0, 2.0, math.nan, 1.0, _python_address()])
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law
     if function(spring._constraint, 1.75) != 1.25 or function(spring._constraint, 2.5) != 0.0:
         raise RuntimeError("the compiled callback gives wrong forces")
-    # a contact that has just closed, or has a NaN distance, must call the Python function; all others must not
+    # A contact that has just closed, or whose distance is NaN, must call the Python function. All other contacts must
+    # not.
     spring.force_func = lambda _, distance: 8.0
     if [function(spring._constraint, distance) for distance in (1.75, 1.75, math.nan)] != [8.0, 1.25, 8.0]:
         raise RuntimeError("the compiled callback does not leave a contact that closes to Python")

@@ -1,4 +1,4 @@
-"""Soft contacts for pymunk: constraints that only push, ``force = F + K * overlap**a``, in any Space."""
+"""Soft contacts for any pymunk Space. They are constraints that only push, with ``force = F + K * overlap**a``."""
 
 from __future__ import annotations
 
@@ -41,22 +41,22 @@ OnHit = Callable[["SoftContact", Hit], None]
 
 
 class SoftContact(pymunk.DampedSpring):
-    """A contact of two bodies, which pushes them apart while their anchors are nearer than `touching_distance`.
+    """A contact of two bodies. It pushes them apart while their anchors are nearer than `touching_distance`.
 
-    It works like a ``pymunk.DampedSpring`` with the force of a :class:`~softcradle.physics.contact.Contact`, which acts
-    only while ``overlap = touching_distance - distance > 0``. The force is evaluated once a step, after the bodies have
-    moved, as in symplectic Euler. Contacts are short, so use `substeps` to choose the step. If a contact closes in a
-    step that is too long for it, there is one RuntimeWarning for each law in a Space. The force acts along the line
-    between the anchors, so the overlap must stay smaller than `touching_distance`. If the bodies pass through each
-    other, a RuntimeWarning gives the stiffness that would have stopped them.
+    It works like a ``pymunk.DampedSpring`` with the force of a :class:`~softcradle.physics.contact.Contact`. The force
+    acts only while ``overlap = touching_distance - distance > 0``. It is evaluated once per step, after the bodies have
+    moved, as in the symplectic Euler method. Contacts are short, so use `substeps` to choose the step. If the step is
+    too long for a contact that closes, a RuntimeWarning is issued, once for each law in a Space. The force acts along
+    the line between the anchors, so the overlap must stay smaller than `touching_distance`. If the bodies pass through
+    each other, a RuntimeWarning recommends a stiffness that would have stopped them.
 
     The contact replaces the collision between the shapes of the two bodies: `collide_bodies` is False unless set to
     True.
 
     A Contact with loss pushes with a fraction of its force while the bodies separate. While they are at rest, its force
-    lies anywhere between this fraction and the whole: it is the force that keeps them at rest. To find it, the contact
-    assumes that the other forces on the bodies are the same as in the last step. This force depends on velocities, so
-    it is always a Python callback.
+    lies between this fraction and the whole force. It is then the force that keeps the bodies at rest. To find this
+    force, the contact assumes that the other forces on the bodies are the same as in the last step. The force of a
+    Contact with loss depends on velocities, so it is always a Python callback.
 
     Copies and pickles include the contact, but not a `force_func` that you have set.
 
@@ -66,17 +66,19 @@ class SoftContact(pymunk.DampedSpring):
     anchor_a, anchor_b : (float, float)
         Anchor points, relative to the bodies [m].
     touching_distance : float
-        Distance > 0 of the anchors at which the contact just touches [m]; for two balls with anchors in their
-        centres the sum of their radii.
+        Distance > 0 of the anchors [m] at which the contact just touches. For two balls with anchors in their
+        centres, it is the sum of their radii.
     contact : Contact or law
-        A Contact, or a function of an overlap > 0 [m] that returns a force [N], or an object with such a method
-            ``force``.
+        A Contact. Also a function that takes an overlap > 0 [m] and returns a force [N], or an object with such a
+        method ``force``.
     native : bool, optional
-        True: the force is compiled code, several times faster. False: a Python callback with bitwise the same results.
-        None: compiled if possible.
+        True means that the force is compiled code, which is several times faster. False means a Python callback
+        with bitwise the same results. None means compiled code if possible.
     on_hit : callable, optional
-        Called as ``on_hit(contact, hit)`` at the end of the step in which the contact has opened. The hit has the attributes
-        begin, end [s], impulse [N s], closing_speed [m/s], largest_force [N] and energy_lost [J]. Its times are counted from
+        Called as ``on_hit(contact, hit)`` at the end of the step in which the contact has opened. The hit has the
+            attributes
+        begin, end [s], impulse [N s], closing_speed [m/s], largest_force [N] and energy_lost [J]. Its times are counted
+            from
         the first step of the contact. The force is then a Python callback. Copies and pickles do not include `on_hit`.
 
     Raises
@@ -84,7 +86,7 @@ class SoftContact(pymunk.DampedSpring):
     ValueError
         The distance is not a finite number > 0, an anchor is not two finite numbers, or `contact` has no force.
     RuntimeError
-        `native` is True and compiled code is not available; the message gives the reason.
+        `native` is True, but compiled code is not available. The message contains the reason.
 
     Examples
     --------
@@ -140,20 +142,20 @@ class SoftContact(pymunk.DampedSpring):
         self._known_overlap = self._known_rate = math.nan
         self._compiled_law: Any = None
         self._was_closed = False
-        self._others = 0.0  # Rate of change of the closing rate due to all other forces in the last step [m/s²].
-        # Step [s], speed [m/s] and 1/mass [1/kg] at which the step was last checked.
+        self._others = 0.0  # Rate of change of the closing speed by all other forces in the last step [m/s²].
+        # Step [s], speed [m/s] and inverse mass [1/kg] for which the step was last checked.
         self._looked_at: tuple[float, ...]
         self.force_func = SoftContact.contact_force  # type: ignore[assignment]  # its first argument is narrower
         self.contact = contact
 
     @staticmethod
     def contact_force(spring: SoftContact, dist: float) -> float:
-        """Return the force of the contact at this distance of the anchors, 0 if they are apart; the default force function.
+        """Return the force of the contact at the distance `dist` of the anchors. It is the default force function.
 
-        An exception in it is raised by :py:meth:`pymunk.Space.step` at the end of the step. Otherwise pymunk would only
-        print the exception and continue with a wrong force.
+        The force is 0 if the bodies are apart. If the law raises an exception, :py:meth:`pymunk.Space.step` raises it
+        at the end of the step. Otherwise pymunk would only print the exception and continue with a wrong force.
         """
-        # the method `pymunk` supplies the overlap; otherwise it follows from the distance
+        # The method `pymunk` supplies the overlap. Otherwise it is computed from the distance.
         overlap = spring._known_overlap
         if math.isnan(overlap):
             overlap = spring._touching_distance - dist
@@ -165,12 +167,12 @@ class SoftContact(pymunk.DampedSpring):
         try:
             _require_in_space(spring, overlap)
             step = space_of(spring).current_time_step
-            if step < 0.0:  # springs of pymunk would then give velocities that are NaN
+            if step < 0.0:  # With a negative step, springs of pymunk would produce velocities that are NaN.
                 raise ValueError(f"a SoftContact cannot step back in time: dt must be > 0, not {step:g}")
             force = spring._law(overlap)
             if not math.isfinite(force):
                 raise ValueError(f"a law must give a finite force, not {force!r} at an overlap of {overlap:.6g} m")
-            # checks: the step when a contact closes, passing when it is deep
+            # Check the step when a contact closes. Check for passed bodies when the overlap is large.
             if not was_closed or spring._compiled_law is not None:
                 spring._look_at_step(overlap)
             if overlap > DEEP * spring._touching_distance:
@@ -179,7 +181,7 @@ class SoftContact(pymunk.DampedSpring):
             if spring._on_hit is not None:
                 spring._log_hit(overlap, push)
             return push
-        except BaseException as error:  # including KeyboardInterrupt, which pymunk would only print
+        except BaseException as error:  # This includes KeyboardInterrupt, which pymunk would only print.
             raise_after_step(spring, error)
             return 0.0
 
@@ -198,19 +200,19 @@ class SoftContact(pymunk.DampedSpring):
             raise
 
     def _log_hit(self, overlap: float, push: float) -> None:
-        """Add the present step to the hit, and call `on_hit` at the end of the step if the hit has ended."""
+        """Add the current step to the current hit. If the hit has ended, call `on_hit` at the end of the step."""
         try:
             stored = self._stores.energy(overlap) if overlap > 0.0 else 0.0
             step = space_of(self).current_time_step
             ended = self._live.step(step, overlap, self.rate, push, stored, self._loss)
             if ended is not None and self._on_hit is not None:
                 call_after_step(self, partial(self._on_hit, self, ended))
-        except BaseException as error:  # including KeyboardInterrupt, which pymunk would only print
+        except BaseException as error:  # This includes KeyboardInterrupt, which pymunk would only print.
             raise_after_step(self, error)
 
     @property
     def contact(self) -> LawLike:
-        """The law of the contact. A new law is used from the next step on."""
+        """Law of the contact. A new law takes effect in the next step."""
         return self._contact
 
     @contact.setter
@@ -238,13 +240,13 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def overlap(self) -> float:
-        """Present overlap of the bodies [m]; negative if they are apart."""
+        """Current overlap of the bodies [m]; negative if they are apart."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         return self._touching_distance - (ends[1] - ends[0]).length
 
     @property
     def rate(self) -> float:
-        """Present rate of the overlap [m/s]; negative while the bodies separate."""
+        """Current rate of change of the overlap [m/s]; negative while the bodies separate."""
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         line = ends[1] - ends[0]
         closing = self.a.velocity_at_world_point(ends[0]) - self.b.velocity_at_world_point(ends[1])
@@ -252,7 +254,7 @@ class SoftContact(pymunk.DampedSpring):
 
     @property
     def energy(self) -> float:
-        """Energy [J] that is stored now; a contact with loss returns only a part of it."""
+        """Energy [J] that is stored in the contact now. A contact with loss returns only a part of it."""
         return self._stores.energy(max(self.overlap, 0.0))
 
     def substeps(self, dt: float, speed: float, error: float = TRUSTED_ERROR) -> int:
@@ -266,11 +268,16 @@ class SoftContact(pymunk.DampedSpring):
         return max(1, math.ceil(length / self._longest_step(magnitude("speed", speed), self._yielding(), error)))
 
     def _longest_step(self, speed: float, yielding: float, error: float = TRUSTED_ERROR) -> float:
-        """Return the longest step [s] for a collision at `speed` [m/s] with the inverse reduced mass `yielding` [1/kg]."""
+        """Return the longest step [s] for an accurate collision at `speed` [m/s].
+
+        `yielding` is the inverse reduced mass [1/kg].
+        """
         return stable_step(Chain([math.inf, 1.0 / yielding], self._stores), [0.0, -speed], error)
 
     def _yielding(self) -> float:
-        """Return the change of the closing speed per impulse [1/kg]: both inverse masses, and the rotation of the bodies."""
+        """Return the change of the closing speed per impulse [1/kg]. It depends on both masses and on the rotation of
+        the bodies.
+        """
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         line = (ends[1] - ends[0]).normalized()
         found = 0.0
@@ -280,7 +287,7 @@ class SoftContact(pymunk.DampedSpring):
                     raise ValueError(
                         "a body of a SoftContact has no mass or moment yet: give it both, or shapes with density"
                     )
-                # an impulse that does not pass through the centre of gravity also turns the body
+                # An impulse also rotates a body if its line of action does not pass through the centre of gravity.
                 arm = (end - body.local_to_world(body.center_of_gravity)).cross(line)
                 found += 1.0 / body.mass + arm * arm / body.moment
         if not found:
@@ -288,24 +295,29 @@ class SoftContact(pymunk.DampedSpring):
         return found
 
     def _look_at_step(self, overlap: float) -> None:
-        """Warn at the end of the step if it is too long for the fastest collision of soft contacts in this Space so far."""
+        """Check if the step is too long for the fastest collision of soft contacts in this Space so far.
+
+        If it is, warn at the end of the step.
+        """
         if not math.isnan(self._known_overlap):
             return
         space = space_of(self)
         watch = watch_of(space)
         step, rate, yielding = space.current_time_step, self.rate, self._yielding()
-        # speed of the collision: present rate, and the energy of bodies that were placed into each other
+        # The speed of the collision follows from the current rate and from the stored energy of bodies that were placed
+        # into each other.
         before = overlap - step * rate
         released = 2.0 * yielding * self._stores.energy(before) if before > 1e-9 * overlap else 0.0
         watch.fastest = speed = max(watch.fastest, math.sqrt(rate * rate + released))
-        # check only if the step, the speed or the inverse mass has grown noticeably
+        # Repeat the check only if the step, the speed or the inverse mass has grown noticeably.
         pairs = zip((step, speed, yielding), self._looked_at, strict=True)
         if all(now <= FASTER * then for now, then in pairs) or repr(self._contact) in watch.too_long:
             return
         self._looked_at = step, speed, yielding
         try:
             limit = self._longest_step(speed, yielding)
-        # a user-defined law without force or energy at some depth raises an error when it gets there
+        # The force of a user-defined law may be undefined at some depth. It raises an error when the contact gets to
+        # this depth.
         except (ValueError, ArithmeticError):
             return
         if step > limit:
@@ -323,37 +335,40 @@ class SoftContact(pymunk.DampedSpring):
         """True if the force is compiled code, False if it is a Python callback."""
         return self._compiled_law is not None and self.force_func is SoftContact.contact_force
 
-    # The slot for the stiffness in C holds the address of the law.
+    # The C field for the stiffness contains the address of the law.
     stiffness = settled(lambda _: 0.0, "a SoftContact has no stiffness of its own: set its contact")
     damping = settled(lambda _: 0.0, "a SoftContact has no damping: a damper would pull bodies that are apart")
 
     def _push_with_loss(self, force: float, was_closed: bool) -> float:
-        """Return the force of a contact with loss: `force`, the fraction that the loss leaves, or the force that keeps
-        it at rest.
+        """Return the force of a contact with loss.
+
+        During loading it is `force`, and during unloading a fraction of `force`. At rest it is the force that keeps the
+        bodies at rest.
         """
-        # force on the unloading branch, the smallest that is possible
+        # The smallest possible force is that of the unloading branch.
         least = (1.0 - self._loss) * force
         if not math.isnan(self._known_rate):
             return least if self._known_rate < 0.0 else force
         step, rate, yielding = space_of(self).current_time_step, self.rate, self._yielding()
-        # forces from before the contact was open are not a forecast for the next step
+        # Forces from before the contact was open do not predict the next step.
         if not was_closed:
             self._others = 0.0
-        held = (rate / step + self._others) / yielding  # with this force the bodies are at rest at the end of the step
+        # With this force, the bodies are at rest at the end of the step.
+        held = (rate / step + self._others) / yielding
         push = min(max(held, least), force)
-        alone = rate - step * yielding * push  # rate after the step without the other forces
+        alone = rate - step * yielding * push  # Overlap rate after the step if no other forces act.
         call_after_step(self, lambda: setattr(self, "_others", (self.rate - alone) / step))
         return push
 
     def _look_for_passing(self) -> None:
-        """Warn at the end of a step in which the bodies have passed through each other, once for each law in a Space."""
+        """Warn at the end of the step if the bodies have passed through each other, once for each law in a Space."""
         if not math.isnan(self._known_overlap):
             return
         space = space_of(self)
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         now = ends[1] - ends[0]
         moving = self.b.velocity_at_world_point(ends[1]) - self.a.velocity_at_world_point(ends[0])
-        # the line between the anchors has reversed its direction since the last step
+        # The direction of the line between the anchors has reversed since the last step.
         before = now - space.current_time_step * moving
         watch, law = watch_of(space), repr(self._contact)
         if now.dot(before) >= 0.0 or law in watch.passed:
@@ -366,8 +381,11 @@ class SoftContact(pymunk.DampedSpring):
         )
 
     def _energy_around(self, space: pymunk.Space) -> float:
-        """Return the energy [J] of all bodies that soft contacts connect with the two, without that of this contact."""
-        # follow the soft contacts from body to body; fixed bodies end the search
+        """Return the energy [J] of all bodies that are connected by soft contacts with the two bodies of this contact.
+
+        The stored energy of this contact is not included.
+        """
+        # Follow the soft contacts from body to body. The search does not continue beyond fixed bodies.
         there = set(space.constraints)
         bodies: dict[pymunk.Body, None] = {}
         contacts: dict[SoftContact, None] = {}
@@ -384,17 +402,20 @@ class SoftContact(pymunk.DampedSpring):
         return kinetic_energy(bodies) + math.fsum(contact.energy for contact in contacts if contact is not self)
 
     def _take_overlap(self, overlap: float, rate: float) -> None:
-        """Use this overlap [m] and rate [m/s] from now on.
+        """Use the given overlap [m] and rate [m/s] from now on, instead of computing them from the bodies.
 
-        The caller, who manages the steps, knows the overlap with more digits than the positions have, and the rate
-        before any contact of the step has pushed.
+        The caller manages the steps. It has the overlap with more digits than the positions, and the rate before any
+        contact of the step has pushed.
         """
         self._known_overlap, self._known_rate = overlap, rate
         if self._compiled_law is not None:
             self._compiled_law[4], self._compiled_law[6] = overlap, 0.0
 
     def _wants_native(self, contact: LawLike) -> bool:
-        """Return True if `contact` has to be compiled code; raise RuntimeError if it must be compiled and cannot be."""
+        """Return True if the force of `contact` must be compiled code.
+
+        Raise RuntimeError if `native` is True but compiled code is not possible.
+        """
         if self._native is False:
             return False
         reason = compiled.unavailable() if isinstance(contact, Contact) else f"{contact!r} is not a Contact"
@@ -442,7 +463,10 @@ def _checked_anchor(name: str, anchor: Pair) -> Pair:
 
 
 def _scalar_law(contact: LawLike) -> Callable[[float], float]:
-    """Return the force as a plain function of an overlap > 0, bitwise equal to softcradle.physics.numerics.law_kernels."""
+    """Return the force as a plain Python function of an overlap > 0.
+
+    Its results are bitwise equal to those of softcradle.physics.numerics.law_kernels.
+    """
     if not is_law(contact):
         raise ValueError(
             f"contact must be a Contact, a function of the overlap or have a method force(overlap), not {shown(contact)}"
@@ -451,7 +475,7 @@ def _scalar_law(contact: LawLike) -> Callable[[float], float]:
         raise ValueError(
             "a SoftContact only pushes, a coupler pulls and goes solid: take simulate(..., method='conserving')"
         )
-    # a user-defined law is called as it is, a Contact by the plain form of the compiled kernel
+    # A user-defined law is called directly. A Contact uses the plain Python version of the compiled kernel.
     if not isinstance(contact, Contact):
         return (lambda d: float(contact.force(d))) if isinstance(contact, Law) else (lambda d: float(contact(d)))
     return partial(plain(law_kernels.force), contact.preload, contact.stiffness, contact.exponent)

@@ -1,4 +1,7 @@
-"""Tasks and errors that callbacks of a pymunk step postpone to the end of the step, where pymunk passes exceptions on."""
+"""Tasks and errors that callbacks of a pymunk step postpone to the end of the step.
+
+At the end of the step, pymunk passes exceptions on. In callbacks during the step, it only prints them.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +18,13 @@ _spaces: WeakKeyDictionary[pymunk.Constraint, Callable[[], pymunk.Space | None]]
 
 
 def space_of(constraint: pymunk.Constraint) -> pymunk.Space:
-    """Return the Space that steps `constraint`, also if its bodies were removed from the Space or never added."""
+    """Return the Space that steps `constraint`. Its bodies may have been removed from the Space or may never have been
+    added.
+    """
     space = constraint.a.space or constraint.b.space
     if space is None:
         space = _spaces.get(constraint, lambda: None)()
-    # pymunk does not keep the Space in its constraints; this slow search is only used for an error message
+    # pymunk does not store the Space in its constraints. This search is slow, but it is only used for an error message.
     if space is None:
         spaces = (found for found in gc.get_objects() if isinstance(found, pymunk.Space))
         space = next(found for found in spaces if constraint in found.constraints)
@@ -52,7 +57,10 @@ def require_finite(body: pymunk.Body, what: str) -> None:
 
 
 def settled(value: Callable[[Any], object], why: str) -> property:
-    """Return a read-only property of a spring; setting it raises an AttributeError with the text `why`."""
+    """Return a read-only property of a spring.
+
+    Setting the property raises an AttributeError with the text `why`.
+    """
 
     def refuse(spring: object, given: object) -> None:
         raise AttributeError(why)
@@ -61,12 +69,15 @@ def settled(value: Callable[[Any], object], why: str) -> property:
 
 
 def _finish(space: pymunk.Space, key: object) -> None:
-    """Do the pending tasks and raise the first error. After an error pymunk calls this function again, with no pending tasks."""
+    """Do the pending tasks and raise the first error.
+
+    After an error, pymunk calls this function again. There are then no pending tasks.
+    """
     errors: list[BaseException] = []
     for task in _pending.pop(space, []):
         try:
             task()
-        except BaseException as error:  # including KeyboardInterrupt: the other tasks are still done
+        except BaseException as error:  # This includes KeyboardInterrupt. The other tasks are still done.
             errors.append(error)
     if errors:
         if len(errors) > 1:

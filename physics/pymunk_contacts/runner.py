@@ -1,10 +1,11 @@
 """Method `pymunk`: a chain as bodies on a line in a pymunk Space, with soft contacts between them and substeps.
 
-One step of pymunk drifts and then kicks, which is symplectic Euler: the results equal those of method `euler` up to
-round-off. The Space stores positions, whose differences cannot resolve deep overlaps. The overlaps are therefore summed
-up separately, from the velocities of the bodies, and passed to the contacts. External forces are set on the bodies
-before every step; pymunk applies them after the drift, as `euler` does. Friction of the bed slows the bodies after
-every step of the Space, at most to rest.
+A step of pymunk first moves the bodies (drift) and then changes their velocities (kick). This is the symplectic Euler
+method, so the results equal those of method `euler` up to round-off. The Space stores positions. Their differences
+cannot resolve the tiny overlaps deep inside a cluster. Therefore the overlaps are integrated separately from the
+velocities of the bodies, and are passed to the contacts. External forces are set on the bodies before every step.
+pymunk applies them after the drift, as `euler` does. After every step of the Space, friction of the bed slows the
+bodies, at most to rest.
 """
 
 from __future__ import annotations
@@ -29,28 +30,28 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-MOST_SPACE_STEPS = 20_000_000  # Largest number of steps of a run; they take some minutes.
-# Largest distance of the anchors [m]. Only motions that diverge because of too long steps go beyond.
+MOST_SPACE_STEPS = 20_000_000  # Largest number of steps of a run. They take several minutes.
+# Largest distance of two anchors [m]. Only motions that diverge because of too long steps need a larger one.
 MOST_REACH = 2.0**90
-GRID_TOLERANCE = 1e-9  # Fraction of a step. A time this near to a grid point counts as on the grid.
+GRID_TOLERANCE = 1e-9  # Fraction of a step. A time that is this close to a grid point counts as lying on the grid.
 
 
 class Row:
-    """The beads of a chain as bodies. Their motion is read from a State and written back to it.
+    """Chain of beads as bodies in a Space. The motion is read from a State and written back to it.
 
-    The x coordinate of a body is the displacement of its bead, near 0 for all beads and so with little round-off. The
-    anchors contain `reach`, the distance between beads that just touch. It exceeds every overlap, otherwise the line
-    between the anchors would reverse.
+    The x coordinate of a body is the displacement of its bead. It is near 0 for all beads, so its round-off is small.
+    The anchors of the bodies are shifted by `reach`, the distance of two bodies that just touch. `reach` exceeds every
+    overlap. Otherwise the line between two anchors would reverse its direction.
     """
 
     def __init__(self, chain: Chain, state: State, step: float) -> None:
         velocity = state.velocity(chain)
         depth = float(contact_scales(chain, velocity)[0].max())
-        # touching distance of the bodies, larger than any expected overlap and any drift in one step
+        # The touching distance of the bodies is larger than any expected overlap and than any motion in one step.
         reach = min(_power_of_two(8.0 * max(depth, step * speed_scale(chain, velocity))), MOST_REACH)
         self.chain = chain
         self.space = pymunk.Space()
-        self.space.iterations = 1  # soft contacts are forces: pymunk's solver has nothing to iterate
+        self.space.iterations = 1  # Soft contacts are ordinary forces, so pymunk's iterative solver is not needed.
         self.bodies = [_body(mass) for mass in chain.mass]
         self.contacts = [
             SoftContact(a, b, (0.0, 0.0), (reach, 0.0), reach, contact)
@@ -63,7 +64,7 @@ class Row:
         self.taken, self.finite = np.zeros(4), np.isfinite(chain.mass)
 
     def write(self, state: State) -> None:
-        """Place the bodies where `state` has the beads."""
+        """Set the positions and velocities of the bodies to those of the beads in `state`."""
         positions, velocities = state.position(self.chain).tolist(), state.velocity(self.chain).tolist()
         for body, position, velocity in zip(self.bodies, positions, velocities, strict=True):
             body.position = position, 0.0
@@ -74,7 +75,7 @@ class Row:
         self._take(state.overlap.tolist(), state.rate.tolist())
 
     def read(self, state: State) -> None:
-        """Write the positions and velocities of the bodies, and the contact forces there, into `state`."""
+        """Write the positions and velocities of the bodies, and the contact forces at these positions, into `state`."""
         velocity = np.array([body.velocity.x for body in self.bodies])
         state.overlap[:] = self.overlaps
         state.rate[:] = velocity[:-1] - velocity[1:]
@@ -84,7 +85,7 @@ class Row:
         state.taken[:] = self.taken
 
     def step(self, time: float, step: float) -> None:
-        """Take one step of the Space from `time` on, under the mean of the external forces."""
+        """Take one step of the Space, starting at `time`, with the mean of the external forces during the step."""
         push = self.external
         if self.chain.timed:
             plain(put_mean)(time, step, self.knots, self.push, self.bed)
@@ -92,14 +93,14 @@ class Row:
         if push is not None:
             for body, force in zip(self.bodies, push.tolist(), strict=True):
                 body.force = force, 0.0
-        # the overlaps drift with the rates before the step
+        # The overlaps change with the rates before the step.
         before = self.overlaps
         speeds = [body.velocity.x for body in self.bodies]
         rates = [a - b for a, b in pairwise(speeds)]
         self._take([d + step * w for d, w in zip(self.overlaps, rates, strict=True)], rates)
         try:
             self.space.step(step)
-        except ValueError:  # the motion has diverged and a force is not a number: mark the whole motion as NaN
+        except ValueError:  # The motion has diverged and a force is not a number. Mark the whole motion as NaN.
             self._take([math.nan] * len(rates), [math.nan] * len(rates))
             for body in self.bodies:
                 body.velocity = math.nan, 0.0
@@ -110,16 +111,16 @@ class Row:
             self.taken[2] += step * (self.push - self.knots.drive)[self.finite] @ np.array(mean)[self.finite]
 
     def _absorb(self, before: list[float], speeds: list[float], step: float) -> None:
-        """Record the energy dissipated by the contacts since the overlaps `before`, apply bed friction, and record its work.
+        """Apply bed friction after a step, and record the energy dissipated by friction and by the contacts.
 
-        `speeds` are those before the step. The work of friction is its impulse times the mean speed, so it is 0 for a
-        bead at rest.
+        `before` and `speeds` are the overlaps and the velocities before the step. The work of friction is its impulse
+        times the mean speed, so it is 0 for a bead at rest.
         """
-        # contacts dissipate energy while they unload
+        # Contacts dissipate energy during unloading.
         for contact, start, end in zip(self.chain.contact, before, self.overlaps, strict=True):
             if end < start:
                 self.taken[0] += contact.loss * (contact.energy(start) - contact.energy(end))
-        # Coulomb friction reduces the speed, at most to 0
+        # Coulomb friction reduces the speed, at most to 0.
         for body, start, bed in zip(self.bodies, speeds, self.bed.tolist(), strict=False):
             speed = body.velocity.x
             slower = math.copysign(max(abs(speed) - step * bed, 0.0), speed) if bed else speed
@@ -128,7 +129,7 @@ class Row:
                 body.velocity = slower, 0.0
 
     def steps(self, most: int, time: float, step: float) -> int:
-        """Take at most `most` steps from `time` on until a contact switches. Return the number of steps."""
+        """Take at most `most` steps, starting at `time`, until a contact opens or closes. Return the number of steps."""
         before = self.closed
         for count in range(1, most + 1):
             self.step(time + (count - 1) * step, step)
@@ -137,10 +138,10 @@ class Row:
         return most
 
     def look_ahead(self, step: float, state: State) -> None:
-        """Write the result of one step into `state`, and undo the step."""
+        """Write the result of one step into `state`, but restore the bodies."""
         kept, taken = [(body.position, body.velocity) for body in self.bodies], self.taken.copy()
         overlaps, rates = self.overlaps, self.rates
-        # take the step, read the result, restore the bodies
+        # Take the step, read the result, and restore the bodies.
         self.step(state.time, step)
         self.read(state)
         for body, (position, velocity) in zip(self.bodies, kept, strict=True):
@@ -150,7 +151,9 @@ class Row:
         self._take(overlaps, rates)
 
     def _take(self, overlaps: list[float], rates: list[float]) -> None:
-        """Pass the overlaps and rates of the drift to the contacts; increase `reach` if an overlap comes near to it."""
+        """Pass the overlaps and rates after the drift to the contacts. If an overlap comes close to `reach`, increase
+        `reach`.
+        """
         self.overlaps, self.rates = overlaps, rates
         for contact, overlap, rate in zip(self.contacts, overlaps, rates, strict=True):
             contact._take_overlap(overlap, rate)
@@ -164,14 +167,14 @@ class Row:
 
 
 def _body(mass: float) -> pymunk.Body:
-    """Return a body that does not rotate; a wall keeps its velocity."""
+    """Return a body that does not rotate. A wall becomes a body that keeps its velocity."""
     if math.isinf(mass):
         return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     return pymunk.Body(mass, math.inf)
 
 
 def _power_of_two(least: float) -> float:
-    """Return the smallest power of two above `least`: sums with it have less round-off."""
+    """Return the smallest power of two above `least`. Sums with a power of two have less round-off."""
     return 2.0 ** math.ceil(math.log2(least))
 
 
@@ -186,7 +189,7 @@ def _pass(problem: Problem, times: Array) -> Record:
 
 
 class _Run:
-    """One run of a Row: steps, samples, contact switches and the end, as in the kernels of fixed steps."""
+    """One run of a Row: its steps, samples and contact switches, and its end. It works like the kernels of fixed steps."""
 
     def __init__(self, problem: Problem, times: Array) -> None:
         self.problem, self.h, self.times = problem, problem.step, times
@@ -203,17 +206,17 @@ class _Run:
         self.note_switches(0.0)
 
     def until(self, end: float) -> _Run:
-        """Advance to `end`; if that is infinite, until no contact can close again."""
+        """Advance to the time `end`. If `end` is infinite, advance until no contact can close again."""
         self.take_samples()
         while self.state.time < end - self.h * GRID_TOLERANCE:
-            # steps of free flight do not count
+            # Steps of free flight are not counted.
             if self.steps - self.flown >= self.most_steps:
                 sentence = f"pymunk gave up after {self.most_steps} steps: take a larger step"
                 self.status = Status.OUT_OF_STEPS
                 self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"steps": self.most_steps}),)
                 break
             flight = self.flight_time()
-            # without a duration: the beads separate, or rest under constant forces
+            # A run without a duration ends when the beads separate, or when they rest under constant forces.
             if math.isinf(end) and (
                 math.isinf(flight)
                 or (self.steps and not self.changes() and not self.state.velocity(self.problem.chain).any())
@@ -225,38 +228,43 @@ class _Run:
         return self
 
     def flight_time(self) -> float:
-        """Return the time [s] until the first contact closes if nothing pushes: 0 if something does, inf if all separate."""
+        """Return the time [s] until the first contact closes in free flight.
+
+        The result is 0 if a contact or an external force pushes. It is infinite if all beads separate.
+        """
         chain = self.problem.chain
         pushed = chain.driven and (chain.lasts or self.state.time < chain.knots[-1])
         if pushed or self.row.external is not None or any(self.closed):
             return 0.0
-        if chain.on_bed:  # sliding beads are not in free flight
+        if chain.on_bed:  # Sliding beads are not in free flight.
             return 0.0 if self.changes() or self.meets_again() else math.inf
         both = zip(self.state.overlap.tolist(), self.state.rate.tolist(), strict=True)
         return min((-overlap / rate for overlap, rate in both if rate > 0.0), default=math.inf)
 
     def meets_again(self) -> bool:
-        """Return True if two beads that slide apart will meet before they rest."""
+        """Return True if two beads that slide apart will meet before they come to rest."""
         chain, motion = ChainData(*chain_records(self.problem.chain, self.state)), Motion(*motion_record(self.state))
         return plain(meets_again)(chain, chain.dissipation.bed, motion, 0.0, np.zeros(chain.inverse_mass.size))
 
     def changes(self) -> bool:
-        """Return True if forces or brakes will still change."""
+        """Return True if a force or a brake will still change."""
         return self.problem.chain.timed and self.state.time < self.problem.chain.knots[-1]
 
     def move(self, end: float, flight: float) -> None:
-        """Advance by whole steps to the next switch or sample, or by a part of a step at the end."""
+        """Advance by whole steps to the next contact switch or sample. At the end of the run, advance by a part of a
+        step.
+        """
         state, h = self.state, self.h
         goal = min(end, float(self.times[self.sampled])) if self.sampled < self.times.size else end
         flown = 0 if self.problem.chain.on_bed else math.floor(min(flight, goal - state.time) / h) - 1
-        if flown >= 1:  # the drift is exact: many steps at once
+        if flown >= 1:  # The motion of free flight is exact, so take many steps at once.
             self.row.step(state.time, flown * h)
             self.steps += flown
             self.flown += flown
         else:
             length = h if end - state.time >= h * (1.0 - GRID_TOLERANCE) else end - state.time
-            # A contact may close and open within one step, so that no flag shows it: take at most one step beyond the
-            # flight.
+            # A contact may close and open within one step without a trace in the flags. Therefore take at most one step
+            # beyond the free flight.
             ahead = min(goal - state.time, flight + h) if flight > 0.0 else goal - state.time
             most = max(1.0, min(ahead / h, self.most_steps + self.flown - self.steps))
             taken = self.row.steps(int(most), state.time, length)
@@ -267,12 +275,18 @@ class _Run:
         self.note_switches(self.h)
 
     def note_switches(self, last_step: float) -> None:
-        """Log the contacts that have closed or opened within `last_step`, at the time of the straight line back to overlap 0."""
+        """Log the contacts that have closed or opened within `last_step`.
+
+        The time of a switch follows from a straight line through overlap 0.
+        """
         self.switches += _switches(self.closed, self.row.closed, self.state, last_step)
         self.closed = self.row.closed
 
     def take_samples(self) -> None:
-        """Write the samples up to the next step. A sample between steps is one shorter step, which does not change the run."""
+        """Write all samples up to the next step.
+
+        A sample between two steps is computed by a shorter step, which does not change the run.
+        """
         time, slack = self.state.time, self.h * GRID_TOLERANCE
         while self.sampled < self.times.size and self.times[self.sampled] < time + self.h - slack:
             sample = self.state.copy()
@@ -284,7 +298,7 @@ class _Run:
             self.sampled += 1
 
     def result(self) -> Record:
-        """Return the Record of the run, with fewer samples than wanted if the run gave up."""
+        """Return the Record of the run. If the run gave up, it contains fewer samples than wanted."""
         samples = first_samples(self.samples, self.sampled)
         return Record(
             self.problem.chain, samples, *Switches.of(self.switches), self.state, self.steps, self.evaluations, self.status,
@@ -292,12 +306,15 @@ class _Run:
         )  # fmt: skip
 
     def record(self, found: Record, times: Array) -> Record:
-        """Return the record `found` with samples at `times`, which may lie beyond the end of the run, by another run."""
+        """Add samples at `times` to the record `found`, by running again. The times may lie after the end of the run."""
         return found.with_samples(_Run(self.problem, times).until(float(times[-1])).result().samples)
 
 
 def _switches(before: list[bool], now: list[bool], state: State, last_step: float) -> list[tuple[int, float]]:
-    """Return (contact, time) of the contacts that have switched within `last_step`, by a straight line back to overlap 0."""
+    """Return (contact, time) for each contact that has closed or opened within `last_step`.
+
+    The time follows from a straight line through overlap 0.
+    """
     found = []
     for i in (i for i, both in enumerate(zip(before, now, strict=True)) if both[0] != both[1]):
         overlap, rate = float(state.overlap[i]), float(state.rate[i])
@@ -307,7 +324,10 @@ def _switches(before: list[bool], now: list[bool], state: State, last_step: floa
 
 
 def advance(problem: Problem) -> Status:
-    """Advance ``problem.state`` in place by the duration. The Space is kept in the state as long as the chain is the same."""
+    """Advance ``problem.state`` in place by the duration.
+
+    The Space is stored in the state, and is reused as long as the chain is the same.
+    """
     chain, state, step = problem.chain, problem.state, problem.step
     duration = problem.duration or 0.0
     row = state.work.get("pymunk")
@@ -316,7 +336,7 @@ def advance(problem: Problem) -> Status:
     row.write(state)
     start = state.time
     whole = math.floor(duration / step + GRID_TOLERANCE)
-    # whole steps, then the remainder of the duration as one shorter step
+    # First take whole steps, then one shorter step for the rest of the duration.
     for length, count, begin in ((step, whole, start), (duration - whole * step, 1, start + whole * step)):
         taken = 0
         while taken < count and length > step * GRID_TOLERANCE:

@@ -1,4 +1,6 @@
-"""SoftChain: the contacts of a row of pymunk bodies, solved together so that any step size is stable."""
+"""SoftChain: contacts between neighbours in a row of pymunk bodies. They are solved together, so any step size is
+stable.
+"""
 
 from __future__ import annotations
 
@@ -47,13 +49,14 @@ from softcradle.physics.scales import scales_at
 
 Array = NDArray[np.float64]
 
-CHAIN_METHODS = ("conserving",)  # values of the argument `method`
-# Default limit of the velocity error after a collision, relative to its speed. Larger errors are visible in a game.
+CHAIN_METHODS = ("conserving",)  # Valid values of the argument `method`
+# Default of the allowed velocity error after a collision, relative to the collision speed. Larger errors are visible in
+# a game.
 VISIBLE_ERROR = 0.05
-# Velocity error after a collision, relative to its speed, if the step is as long as the shortest contact. The error
-# falls with the square of the step. `python -m benchmarks soft-chains` measures it with random rows.
+# Velocity error after a collision, relative to its speed, with a step as long as the shortest contact. The error falls
+# with the square of the step. `python -m benchmarks soft-chains` measures it with random chains.
 ERROR_AT_CONTACT_TIME = 3.0
-# arrays that describe the motion of a chain
+# Names of the arrays that describe the motion of a chain
 ROWS = ("_overlap", "_rate", "_lag", "_outside", "_acted", "_force", "_place", "_speed", "_absorbed")
 
 
@@ -66,7 +69,7 @@ class SoftChainState:
     bodies : ndarray, shape (n+1, 6)
         Positions [m], velocities [m/s], angles and angular velocities of the bodies.
     rows : tuple of ndarray
-        The stored quantities of the contacts.
+        Stored quantities of the contacts.
     step : float
         The last step [s]; 0 before the first step.
     """
@@ -77,39 +80,42 @@ class SoftChainState:
 
 
 class SoftChain:
-    """Contacts between the neighbours in a row of bodies; other joints, shapes and gravity act as usual.
+    """Contacts between neighbours in a row of bodies. Other joints, shapes and gravity act as usual.
 
-    Iteration and ``chain[i]`` give its constraints, one between every two neighbours: ``space.add(*bodies, *chain)``.
-    Only constraints that are in the Space push. If one is removed, the row splits into two that move separately;
-    `remove_from` removes all constraints, or those of one body. Shapes of neighbours do not collide. In every step of the
-    Space, the first constraint that is evaluated solves all contacts by the method `conserving`. A collision conserves
-    energy and momentum to round-off, with any step. The velocities of single bodies have a second-order error in the
-    step: use `substeps`. If a step is too long for a blow, or if bodies pass through each other, there is one
-    RuntimeWarning.
+    A SoftChain is a sequence of constraints, one between every two neighbours. Add them with ``space.add(*bodies,
+    *chain)``. Only constraints that are in the Space push. If one is removed, the row splits into two rows that move
+    separately. `remove_from` removes all constraints, or those of some bodies. Shapes of neighbours do not collide. In
+    every step of the Space, the first constraint that is evaluated solves all contacts by the method `conserving`. A
+    collision conserves energy and momentum to round-off, with any step. The velocities of single bodies have a
+    second-order error in the step: use `substeps` to reduce it. If a step is too long for a collision, or if bodies
+    pass through each other, a RuntimeWarning is issued once.
 
-    The positions of pymunk's bodies are half a step behind their velocities. At ``x = X + (step/2) V``, see
-    `positions`, kinetic energy (``m v**2 / 2``; pymunk's own leaves out the half) and `energy` have a constant sum.
+    The positions X of pymunk's bodies are half a step behind their velocities V. `positions` returns the positions ``X
+    + (step/2) V`` at the time of the velocities. The sum of kinetic energy and `energy` is constant. The kinetic energy
+    is ``m v**2 / 2`` here; pymunk's own value lacks the factor 1/2.
 
-    Bodies push through their centres of gravity, along the line between neighbours, which need not be straight.
-    Gravity, forces and strings (pin joints, taut slide joints, without a limit of force) to kinematic and static bodies
-    are known before the contacts are solved. Other joints are expected to act as in the last two steps, so a joint that
-    stops a body within a step dissipates energy. If a body is moved or gets another velocity between steps, the chain
-    continues from there. Copies and pickles of the Space include the chain, and `of` finds it there. `state` and `restore`
-    roll back only the chain. A body belongs to one SoftChain.
+    Bodies push each other along the line between their centres of gravity. The row need not be straight. The solver of
+    the contacts includes gravity, forces, and strings to kinematic and static bodies. Strings are pin joints and taut
+    slide joints without a limit of their force. Other joints are assumed to act as in the last two steps. A joint that
+    stops a body within one step therefore dissipates energy. You may change positions and velocities of bodies between
+    steps: the chain continues from the new values. Copies and pickles of the Space include the chain, and `of` finds it
+    in the copy. `state` and `restore` roll back only the chain. A body can belong to one SoftChain only.
 
-    Joints have errors: in 60 s at steps of 1/240 s a pendulum on a PinJoint, released at 0.5 rad, loses 5.5 % of its
-    energy in plain pymunk, and a cradle of five on such joints and a SoftChain 4.1 %.
+    Joints of pymunk have errors of their own. Example: a pendulum on a PinJoint, released at 0.5 rad, runs for 60 s
+    with steps of 1/240 s. In plain pymunk it loses 5.5 % of its energy. A cradle of five such pendulums with a
+    SoftChain loses 4.1 %.
 
     Parameters
     ----------
     bodies : sequence of pymunk.Body
-        Bodies in the order of the row, n+1 >= 2 of them; at least one of two neighbours must be dynamic.
+        Bodies in the order of the row, n+1 >= 2 of them. At least one of two neighbours must be dynamic.
     contact : Contact or sequence of Contact
         One contact law for all contacts, or n laws.
     touching_distance : float or array_like, shape (n,)
-        Distance > 0 [m] of the centres of two bodies that just touch: one for all contacts, or n.
+        Distance > 0 [m] between the centres of two bodies that just touch. One number for all contacts, or n
+        numbers.
     method : str, optional
-        "conserving", the only one so far.
+        Method of the solver. "conserving" is the only one so far.
     touching_distances : float or array_like, optional
         Former name of `touching_distance`.
 
@@ -140,7 +146,7 @@ class SoftChain:
     """
 
     _contacts: tuple[Contact, ...]
-    _checked: tuple[float, float]  # step [s] and speed [m/s] that were found short enough
+    _checked: tuple[float, float]  # Step [s] and speed [m/s] of the last check in which the step was short enough
     _touching: Array
 
     def __init__(
@@ -156,7 +162,7 @@ class SoftChain:
             raise ValueError("a SoftChain needs its touching_distance: one for all contacts or one for each")
         if method not in CHAIN_METHODS:
             raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {shown(method)}")
-        # check the bodies: different ones, and a dynamic one in each pair
+        # Check the bodies. They must be different, and each pair must contain a dynamic body.
         require_kind("bodies", bodies, Sequence)
         for body in bodies:
             require_kind("every body", body, pymunk.Body)
@@ -168,36 +174,39 @@ class SoftChain:
         self.method = method
         self.bodies = tuple(bodies)
         n = len(bodies) - 1
-        # motion of the contacts and bodies, see ROWS
+        # Motion of the contacts and bodies, see ROWS
         self._overlap, self._rate, self._lag, self._force = np.zeros((4, n))
-        self._outside = np.zeros(n)  # expected changes of the rates by others in a step
-        self._acted = np.zeros(n)  # the changes of the last step
+        self._outside = np.zeros(n)  # Expected changes of the overlap rates by other forces in a step
+        self._acted = np.zeros(n)  # Actual changes of the overlap rates by other forces in the last step
         self._place, self._speed, self._direction = np.zeros((n + 1, 2)), np.zeros((n + 1, 2)), np.zeros((n, 2))
         # scratch memory of the solver
         self._work = np.zeros((CHAIN_ROWS, n))
         self._beads = np.zeros((BEAD_ROWS, n + 1))
         self._absorbed = np.zeros(1)
-        self._step = 0.0  # last step [s]; 0 before the first step
+        self._step = 0.0  # Length of the last step [s]; 0 before the first step
         self._gone: list[int] = []  # contacts that were not in the Space during the last step
         self._pushed = np.zeros(n, dtype=bool)  # contacts that pushed during the last step
         self._fastest = 0.0  # speed of the fastest collision so far [m/s]
-        self._log: HitLog | None = None  # begins with the first call of `hits`
+        self._log: HitLog | None = None  # The first call of `hits` creates the log.
         self._unread: list[float | None] = [None] * n  # forces of the current step that pymunk has not read yet
-        # the setters check their values
+        # These assignments call setters, which check the values.
         self.contact = contact
         self.touching_distance = touching_distance if touching_distances is None else touching_distances  # type: ignore[assignment]
         self._links = tuple(_Link.between(self, i) for i in range(n))
 
     @classmethod
     def of(cls, space: pymunk.Space) -> list[SoftChain]:
-        """Return the chains in a Space in the order in which they were added, for example those of a copied Space."""
+        """Return the chains in a Space, in the order in which they were added. It also finds the chains of a copied
+        Space.
+        """
         require_kind("space", space, pymunk.Space)
         return list({link.chain: None for link in space.constraints if isinstance(link, _Link)})
 
     def remove_from(self, space: pymunk.Space, *bodies: pymunk.Body) -> None:
-        """Remove the contacts that are in the Space: all, or those of `bodies`, which may then join other chains.
+        """Remove contacts from the Space: all of them, or the contacts of `bodies`.
 
-        A removed contact acts again if you add it again: ``space.add(body, *(body.constraints - space.constraints))``.
+        These bodies may then join other chains. A removed contact acts again if you add it again: ``space.add(body,
+        *(body.constraints - space.constraints))``.
         """
         require_kind("space", space, pymunk.Space)
         for body in bodies:
@@ -209,21 +218,21 @@ class SoftChain:
 
     @property
     def state(self) -> SoftChainState:
-        """The present motion of bodies and contacts, for `restore`. Laws and touching distances are not included."""
+        """Current motion of bodies and contacts, for `restore`. Laws and touching distances are not included."""
         bodies = [(*body.position, *body.velocity, body.angle, body.angular_velocity) for body in self.bodies]
         return SoftChainState(np.array(bodies), tuple(getattr(self, row).copy() for row in ROWS), self._step)
 
     def restore(self, state: SoftChainState) -> None:
-        """Restore a `state` of this chain or of its copy. The steps from there are bitwise reproducible.
+        """Restore a `state` of this chain or of its copy. The following steps are bitwise reproducible.
 
-        The impulses with which pymunk's joints and collisions start the next step are not restored.
+        pymunk stores impulses of joints and collisions as a start for its next step. These impulses are not restored.
         """
         require_kind("state", state, SoftChainState)
         if len(state.bodies) != len(self.bodies):
             raise ValueError(
                 f"a state of {len(state.bodies)} bodies is none of a SoftChain of {len(self.bodies)}: take one of this chain"
             )
-        # the angle first: setting it moves bodies whose centre of gravity is not at their origin
+        # Set the angle first: it moves a body whose centre of gravity is not at its origin.
         for body, (x, y, u, v, angle, spin) in zip(self.bodies, state.bodies.tolist(), strict=True):
             body.angle, body.angular_velocity = angle, spin
             body.position, body.velocity = (x, y), (u, v)
@@ -234,13 +243,14 @@ class SoftChain:
             self._log.forget()
 
     def hits(self, threshold: float = 0.0) -> NDArray[np.void]:
-        """Return the table of the hits that ended since the last call, sorted by their begin.
+        """Return the table of all hits that have ended since the last call, sorted by their begin.
 
-        The first call begins the log and returns an empty table, so call it before the first step. Without a call, the log costs
-        nothing. A hit lasts from the closing of a contact to its opening. Times are counted from the first call, and are
-        interpolated within a step. Impulses and dissipated energies are those of the steps, so their sums over a contact agree
-        with the motion to round-off. The largest force is the largest one at the ends of steps, or the mean of a step. After
-        `restore`, the log is empty. At most 10 000 hits are kept between two calls.
+        The first call starts the log and returns an empty table, so call it before the first step. Without a call, no
+        log is kept, which saves time. A hit lasts from the closing of a contact to its opening. Times are counted from
+        the first call, and are interpolated within a step. Impulses and dissipated energies are sums over the steps.
+        They agree with the motion to round-off. The largest force is the largest value of the forces at the ends of
+        steps and of the mean forces of steps. After `restore`, the log is empty. At most 10 000 hits are kept between
+        two calls.
 
         Parameters
         ----------
@@ -250,7 +260,8 @@ class SoftChain:
         Returns
         -------
         ndarray
-            Structured array with the columns of :meth:`softcradle.Trajectory.hits`: contact, begin [s], end [s], impulse [N s],
+            Structured array with the columns of :meth:`softcradle.Trajectory.hits`: contact, begin [s], end [s],
+                impulse [N s],
             closing_speed [m/s], largest_force [N] and energy_lost [J].
         """
         least = magnitude("threshold", threshold, zero=True)
@@ -268,10 +279,10 @@ class SoftChain:
         return self._links[index]
 
     def substeps(self, dt: float, speed: float, error: float = VISIBLE_ERROR) -> int:
-        """Return the number of equal steps into which to divide `dt` so that a collision is resolved.
+        """Return the number of equal steps into which `dt` should be divided to resolve a collision.
 
-        Energy and momentum do not need substeps, but the velocities of single bodies do. With this number of steps
-        their error is at most `error` after a collision in which each contact closes once. Errors of successive
+        Energy and momentum are exact without substeps, but the velocities of single bodies are not. With this number of
+        steps, their error after a collision is at most `error` if each contact closes only once. Errors of successive
         collisions multiply.
 
         Parameters
@@ -292,7 +303,7 @@ class SoftChain:
         return max(1, math.ceil(length / self._longest_step(closing, magnitude("error", error))))
 
     def _longest_step(self, speed: float, error: float = VISIBLE_ERROR) -> float:
-        """Return the longest step [s] for a collision at `speed` [m/s]."""
+        """Return the longest step [s] for a collision at `speed` [m/s] whose velocity error is at most `error`."""
         for i, body in enumerate(self.bodies):
             if body.body_type == pymunk.Body.DYNAMIC and not body.mass:
                 raise ValueError(f"body {i} of a SoftChain has no mass yet: give it one, or shapes with density")
@@ -303,7 +314,7 @@ class SoftChain:
 
     @property
     def contact(self) -> tuple[Contact, ...]:
-        """The laws of the n contacts. Assign one law for all contacts, or n laws. New laws are used from the next step on."""
+        """Laws of the n contacts. Assign one law for all contacts, or n laws. New laws take effect in the next step."""
         return self._contacts
 
     @contact.setter
@@ -331,7 +342,10 @@ class SoftChain:
 
     @property
     def touching_distance(self) -> Array:
-        """(n,) distances [m] of the centres of two bodies that just touch; set one for all or n. They are used at once."""
+        """(n,) distances [m] between the centres of two bodies that just touch.
+
+        Assign one number for all contacts, or n numbers. They take effect at once.
+        """
         return self._touching.copy()
 
     @touching_distance.setter
@@ -340,16 +354,17 @@ class SoftChain:
         found = number_array("touching_distance", distances).copy()
         if found.shape not in ((), (n,)) or not (np.isfinite(found) & (found > 0.0)).all():
             raise ValueError(f"touching_distance must be one or {n} finite numbers > 0, not {shown(distances)}")
-        # the stored overlaps follow the new distance
+        # Adapt the stored overlaps to the new distance.
         if self._step:
             self._overlap += found - self._touching
         self._touching = np.broadcast_to(found, (n,)).copy()
 
     @property
     def overlaps(self) -> Array:
-        """(n,) overlaps [m] at the end of the last step, negative if bodies are apart; before the first step, the present ones.
+        """(n,) overlaps [m] at the end of the last step; negative if bodies are apart. Before the first step, the
+        current overlaps.
 
-        Contacts that were not in the Space, or are no longer in it, have -inf.
+        A contact that was not in the Space during the step, or is no longer in it, has the overlap -inf.
         """
         if self._step:
             found = self._overlap.copy()
@@ -361,14 +376,14 @@ class SoftChain:
 
     @property
     def forces(self) -> Array:
-        """(n,) mean contact forces [N] of the last step; 0 for contacts that have been removed from the Space since then."""
+        """(n,) mean contact forces [N] of the last step. A contact that has been removed since then has the force 0."""
         found = self._force.copy()
         found[self._taken_out()] = 0.0
         return found
 
     @property
     def energy(self) -> float:
-        """Energy [J] stored in the contacts; contacts with loss return only a part of it."""
+        """Energy [J] stored in the contacts. Contacts with loss return only a part of it."""
         return self._stored(self.overlaps)
 
     @property
@@ -381,7 +396,7 @@ class SoftChain:
 
     @property
     def positions(self) -> list[pymunk.Vec2d]:
-        """Centres of gravity [m] at the time of the velocities of the bodies, half a step after ``position``."""
+        """Centres of gravity [m] at the time of the velocities of the bodies, half a step later than ``position``."""
         position, velocity = centres(self.bodies)
         return [pymunk.Vec2d(*place) for place in (position + 0.5 * self._step * velocity).tolist()]
 
@@ -391,12 +406,15 @@ class SoftChain:
         return math.fsum(float(contact.energy(overlap)) for contact, overlap in pairs)
 
     def _taken_out(self) -> list[int]:
-        """Return the contacts that are not in a Space now; the last step cannot show this if all were removed."""
+        """Return the contacts that are not in a Space now.
+
+        The data of the last step cannot show this if all contacts were removed.
+        """
         there = [space.constraints for space in {body.space for body in self.bodies} if space]
         return [i for i, link in enumerate(self._links) if not any(link in links for links in there)]
 
     def _take_force(self, link: _Link) -> float:
-        """Return the force of `link` for the current step. The first call in a step solves all contacts."""
+        """Return the force of `link` in the current step. The first call in each step solves all contacts."""
         try:
             if self._unread[link.index] is None:
                 self._begin_step(link)
@@ -406,11 +424,12 @@ class SoftChain:
 
     def _begin_step(self, link: _Link) -> None:
         n = len(self._links)
-        # if the solver raises an error, the other links push with force 0, so there is only one error
+        # If the solver raises an error, the other links push with force 0. Otherwise each link would raise the error
+        # again.
         self._unread = [0.0] * n
         space = space_of(link)
         there = space.constraints
-        # contacts that were removed from the Space do not push
+        # Contacts that were removed from the Space do not push.
         self._gone = [i for i, other in enumerate(self._links) if other not in there]
         self._require_own_bodies(space)
         step = space.current_time_step
@@ -418,13 +437,13 @@ class SoftChain:
             raise ValueError(
                 f"a SoftChain cannot step back in time: dt must be > 0, not {step:g}; chain.restore goes back to a chain.state"
             )
-        # other forces of the Space, and a check of the motion
+        # Collect all other forces of the Space, and check that the motion is finite.
         outside = SpaceForces.of(space, self.bodies, step)
         for i in np.flatnonzero(~np.isfinite(outside.position + outside.expected).all(axis=1)).tolist():
             require_finite(self.bodies[i], f"body {i} of a SoftChain")
         bodies = self._touching, outside.position, outside.velocity, self._place, self._speed
         own = self._overlap, self._rate, self._lag, self._outside
-        # adjust the overlaps to changes from outside since the last step
+        # Adapt the overlaps to changes of the bodies since the last step, for example by the user.
         if not self._step:
             _tier(start_chain_step)(step, *bodies, *own, self._force)
         before = self._step or step
@@ -433,9 +452,9 @@ class SoftChain:
         self._acted *= step / before
         self._step = step
         call_after_step(link, lambda: self._end_step(link))
-        # pymunk has no line along which it could push
+        # The two bodies have the same position, so pymunk has no direction for a force.
         at_one_place = np.flatnonzero(~self._direction.any(axis=1)).tolist()
-        if apart := [*self._gone, *at_one_place]:  # keep these contacts open during the step, whatever the bodies do
+        if apart := [*self._gone, *at_one_place]:  # Keep these contacts open during the step, wherever the bodies are.
             fastest = np.abs(outside.velocity).max() + np.abs(outside.expected).max()
             self._overlap[apart] = -self._touching[apart] - 4.0 * step * fastest
             self._lag[apart] = self._outside[apart] = self._acted[apart] = 0.0
@@ -455,19 +474,22 @@ class SoftChain:
             )
 
     def _log_hits(self, log: HitLog, step: float, overlap: Array, rate: Array) -> None:
-        """Add the step to the `log` of hits; `overlap` and `rate` are those before the step."""
+        """Add the step to the `log` of hits. `overlap` and `rate` are the values before the step."""
         law, end = self._law.T, self._overlap
         deepest = np.maximum(np.maximum(overlap, end), 0.0)
         pushing = self._force > 0.0
-        whole = law[0] + law[1] * deepest ** law[2]  # loading branch
+        whole = law[0] + law[1] * deepest ** law[2]  # Force of the loading branch.
         largest = np.where(pushing, np.maximum(self._force, np.where(rate > 0.0, whole, 0.0)), 0.0)
-        # work of the mean force less the increase of the stored energy; zero for an elastic contact
+        # Dissipated energy: work of the mean force minus the increase of the stored energy. It is zero for an elastic
+        # contact.
         rise = stored_energy(law[0], law[1], law[2], end) - stored_energy(law[0], law[1], law[2], overlap)
         lost = np.where(self._loss > 0.0, self._force * (end - overlap) - rise, 0.0)
         log.add_step(step, (overlap, rate), (end, self._rate), self._force, largest, lost)
 
     def _require_own_bodies(self, space: pymunk.Space) -> None:
-        """Raise RuntimeError if a body is not in the Space, if no contact can move it, or if two SoftChains share it."""
+        """Raise RuntimeError if a body is not in the Space, if contacts cannot move any body, or if two SoftChains
+        share a body.
+        """
         # bodies with at least one contact in the Space
         pushed = {
             i: body for i, body in enumerate(self.bodies) if not {i - 1, i} <= {-1, len(self._links), *self._gone}
@@ -482,7 +504,7 @@ class SoftChain:
                 raise RuntimeError(
                     f"body {i} of a SoftChain is not in the Space, a contact of it is: add it, or chain.remove_from(space, body)"
                 )
-        # a contact between two bodies that cannot move has no solution
+        # A contact between two bodies that cannot move has no solution.
         for i in range(len(self._links)):
             if i not in self._gone and all(body.body_type != pymunk.Body.DYNAMIC for body in self.bodies[i : i + 2]):
                 raise RuntimeError(
@@ -494,11 +516,12 @@ class SoftChain:
             return
         for i, body in pushed.items():
             centre = self._links[i].anchor_a if i < len(self._links) else self._links[i - 1].anchor_b
-            if (body.center_of_gravity - centre).length > 1e-9 * self._touching.max():  # contacts would turn the body
+            # Contact forces would rotate the body.
+            if (body.center_of_gravity - centre).length > 1e-9 * self._touching.max():
                 raise RuntimeError(
                     f"the centre of gravity of body {i} has moved since its SoftChain was made: give it its shapes before"
                 )
-        # links of other chains at the same bodies
+        # Links of other chains that are attached to the same bodies
         links = {link for body in pushed.values() for link in body.constraints if isinstance(link, _Link)}
         others = links - {*self._links}
         if others and not others.isdisjoint(space.constraints):
@@ -508,17 +531,21 @@ class SoftChain:
             )
 
     def _check_step(self, link: _Link, overlap: Array, rate: Array) -> None:
-        """Warn if the step is too long for a collision that begins in it; `overlap` and `rate` are those before the step."""
+        """Warn if the step is too long for a collision that begins in it.
+
+        `overlap` and `rate` are the values before the step.
+        """
         pushes = self._force > 0.0
         begins, self._pushed = pushes & ~self._pushed, pushes
         if not begins.any():
             return
-        # speed of each new collision, with the energy that is stored at its start
+        # Speed of each new collision, including the energy that is stored at its start.
         for i in np.flatnonzero(begins).tolist():
-            stored = self._contacts[i].energy(float(overlap[i]))  # energy of bodies that were placed into each other
+            # This energy is positive if the bodies were placed into each other.
+            stored = self._contacts[i].energy(float(overlap[i]))
             yielding = sum(1.0 / body.mass for body in self.bodies[i : i + 2] if body.body_type == pymunk.Body.DYNAMIC)
             self._fastest = max(self._fastest, math.sqrt(float(rate[i]) ** 2 + 2.0 * yielding * stored))
-        # check only if step or speed have grown noticeably, and once for each law
+        # Repeat the check only if the step or the speed has grown noticeably. Check each law once.
         now = self._step, self._fastest
         if all(number <= FASTER * then for number, then in zip(now, self._checked, strict=True)):
             return
@@ -538,24 +565,27 @@ class SoftChain:
             )
 
     def _look_for_passing(self, link: _Link, step: float, bodies: SpaceForces) -> None:
-        """Warn if bodies have passed through each other in the drift of this step."""
+        """Warn if bodies have passed through each other when this step moved them."""
         now, moving = np.diff(bodies.position, axis=0), np.diff(bodies.velocity, axis=0)
         before = now - step * moving
         passed = np.einsum("ij,ij->i", before, now) < 0.0
         if passed.any():
-            # the bodies must have met, not only passed at a distance
+            # The bodies must have met. Bodies that pass at a distance do not count.
             aside = np.abs(before[:, 0] * now[:, 1] - before[:, 1] * now[:, 0])
             self._warn_of_passing(link, passed & (aside < self._touching * step * np.hypot(*moving.T)))
 
     def _warn_of_passing(self, link: _Link, passed: NDArray[np.bool_]) -> None:
-        """Warn, once for each law in a Space, that neighbours have passed through each other: those marked in `passed` (n,)."""
+        """Warn that neighbours have passed through each other, once for each law in a Space.
+
+        `passed` (n,) marks the contacts of these neighbours.
+        """
         passed[self._gone] = False
         for i in np.flatnonzero(passed).tolist():
             law, watch = self._contacts[i], watch_of(space_of(link))
             if str(law) in watch.passed:
                 continue
             watch.passed.add(str(law))
-            # the smallest touching distance with this law needs the largest stiffness
+            # Among the contacts with this law, the smallest touching distance requires the largest stiffness.
             touching = min(
                 float(self._touching[j])
                 for j, contact in enumerate(self._contacts)
@@ -571,7 +601,7 @@ class SoftChain:
 
     def _end_step(self, link: _Link) -> None:
         self._unread = [None] * len(self._links)
-        # an overlap beyond the touching distance means that the centres have passed each other
+        # If the overlap exceeds the touching distance, the centres have passed each other.
         if (self._overlap > self._touching).any():
             self._warn_of_passing(link, self._overlap > self._touching)
         _tier(end_chain_step)(
@@ -579,20 +609,20 @@ class SoftChain:
             self._rate, self._lag, self._outside,
         )  # fmt: skip
         acted, before = self._outside.copy(), self._acted
-        # A force that acted in two steps is expected to continue. A collision, which acts in one step, is not expected
-        # to recur.
+        # If a force acted in two consecutive steps, it is expected to continue. A collision acts in one step only, and
+        # is not expected to recur.
         self._outside = np.maximum(np.minimum(acted, before), 0.0) + np.minimum(np.maximum(acted, before), 0.0)
         self._acted = acted
 
 
 def _of_the_chain(name: str) -> property:
-    """Return a read-only property of a link of a chain, for an attribute of springs that belongs to the chain."""
+    """Return a read-only property of a link, for an attribute of pymunk's springs that the chain controls."""
     why = f"a link of a SoftChain takes no {name}: its force is the chain's; set chain.contact"
     return settled(getattr(pymunk.DampedSpring, name).fget, why)
 
 
 class _Link(pymunk.DampedSpring):
-    """One contact of a SoftChain: a spring whose force comes from the chain."""
+    """Constraint of one contact of a SoftChain: a spring whose force the chain computes."""
 
     _pickle_attrs_init = pymunk.Constraint._pickle_attrs_init + ["anchor_a", "anchor_b"]  # noqa: RUF005 - as its base
     _pickle_attrs_general = ["error_bias", "max_bias", "collide_bodies"]  # noqa: RUF012 - not max_force
@@ -621,7 +651,7 @@ class _Link(pymunk.DampedSpring):
 
     @staticmethod
     def chain_force(link: _Link, dist: float) -> float:
-        """Return the force that the chain has computed; an error is raised as in :meth:`SoftContact.contact_force`."""
+        """Return the force that the chain has computed. An error is raised as in :meth:`SoftContact.contact_force`."""
         try:
             return link.chain._take_force(link)
         except BaseException as error:
@@ -630,7 +660,7 @@ class _Link(pymunk.DampedSpring):
 
 
 def _step_once() -> None:
-    """Take one step of a small chain, which calls every kernel."""
+    """Take one step of a small chain. This calls every kernel."""
     space, bodies = pymunk.Space(), [pymunk.Body(1, 1), pymunk.Body(1, 1)]
     bodies[1].position = 1, 0
     bodies[0].velocity = 1, 0
@@ -643,8 +673,8 @@ TIERS = {KERNELS.name: KERNELS}
 
 
 def _tier(kernel: Any) -> Any:
-    """Return the compiled or plain version of a kernel that is available.
+    """Return the version of a kernel that is available: compiled or plain Python.
 
-    The type is Any because the arguments are unpacked from tuples, which type checkers cannot count.
+    The return type is Any because the arguments are unpacked from tuples, which type checkers cannot count.
     """
     return KERNELS.of_frame(kernel)

@@ -1,7 +1,7 @@
-"""Forces of a Space on some bodies in the current step, except their contacts: gravity, damping, forces and strings.
+"""Forces of a Space on some bodies in the current step, without contact forces: gravity, damping, forces and strings.
 
-Without them the contacts of a SoftChain would be solved as if the bodies were free. The part of an impulse that a
-string takes back would then be lost energy.
+A SoftChain needs them to solve its contacts. Otherwise it would treat the bodies as free. A string absorbs a part of
+each impulse, and this energy would then be lost.
 """
 
 from __future__ import annotations
@@ -15,15 +15,17 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-TAUT = 1e-6  # Fraction of the length of a string. A string whose end is nearer to its full length than this is taut.
-# Fraction of an impulse along a string that it takes. With 1 the body could not move, and its contact force would be
-# infinite.
+# Fraction of the length of a string. If the string is nearer to its full length than this, it counts as taut.
+TAUT = 1e-6
+# Fraction of an impulse along a string that the string absorbs. With 1 the body could not move, and its contact force
+# would be infinite.
 STIFFNESS = 1.0 - 1e-4
 
 
 @dataclass
 class SpaceForces:
-    """Bodies in a step, after the drift and before the kick, and their response to impulses of contacts.
+    """Bodies during a step, and their response to impulses of contacts. pymunk has moved them, but not changed their
+    velocities.
 
     Attributes:
         position: (n, 2) centres of gravity [m].
@@ -39,18 +41,18 @@ class SpaceForces:
 
     @classmethod
     def of(cls, space: pymunk.Space, bodies: tuple[pymunk.Body, ...], step: float) -> SpaceForces:
-        """Return the forces on `bodies`; call it in a callback of a step of `space`."""
+        """Return the forces on `bodies` in the current step. Call it in a callback during a step of `space`."""
         position, velocity = centres(bodies)
         inverse_mass = np.array([1.0 / body.mass if body.body_type == body.DYNAMIC else 0.0 for body in bodies])
         force = np.array([body.force for body in bodies])
-        # pymunk damps the velocity before it adds gravity and forces
+        # pymunk applies damping before it adds gravity and forces.
         moved = (inverse_mass > 0.0)[:, None]
         damping = space.damping**step
         kicked = damping * velocity + step * (np.array(space.gravity) + inverse_mass[:, None] * force)
         found = cls(
             position, velocity, np.where(moved, kicked, velocity), damping * inverse_mass[:, None, None] * np.eye(2)
         )
-        # a taut string removes the motion and the mobility along its direction
+        # A taut string removes velocity and mobility along its direction.
         for i, body in enumerate(bodies):
             if inverse_mass[i]:
                 for direction, speed in _strings(space, body, position[i]):
@@ -65,14 +67,15 @@ def centres(bodies: tuple[pymunk.Body, ...]) -> tuple[Array, Array]:
 
 
 def _strings(space: pymunk.Space, body: pymunk.Body, centre: Array) -> Iterator[tuple[Array, float]]:
-    """Yield the direction of each string from the centre of a body to a kinematic or static body, and the speed [m/s] along it.
+    """Yield each string from a body to a kinematic or static body.
 
-    Strings are pin joints, and slide joints that are taut, if their force is not limited.
+    A string is given by its direction from the centre of the body, and by the speed [m/s] along this direction. Strings
+    are pin joints, and slide joints that are taut, if their force is not limited.
     """
     for joint in body.constraints:
         if not isinstance(joint, (pymunk.PinJoint, pymunk.SlideJoint)):
             continue
-        # a joint with a limited force may give way, so it is not a string
+        # A joint with a limited force may stretch, so it is not a string.
         if joint.max_force == np.inf and joint in space.constraints:
             other, anchor = (joint.b, joint.anchor_b) if joint.a is body else (joint.a, joint.anchor_a)
             end = other.local_to_world(anchor)
@@ -85,8 +88,11 @@ def _strings(space: pymunk.Space, body: pymunk.Body, centre: Array) -> Iterator[
 
 
 def _hold(expected: Array, mobility: Array, direction: Array, speed: float) -> None:
-    """Remove the motion beyond `speed` and the mobility along a string, in place."""
-    # projection: the string takes the impulse that brings the velocity along it to `speed`
+    """Apply the constraint of a string, in place.
+
+    It removes the velocity beyond `speed` along the string, and the mobility along the string.
+    """
+    # Projection: the impulse of the string changes the velocity along the string to `speed`.
     pulled = mobility @ direction
     yielding = float(direction @ pulled)
     if yielding > 0.0:

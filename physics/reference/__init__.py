@@ -1,3 +1,4 @@
-"""Independent reference solution for tests of the other methods. It integrates with SciPy between located switches and
-shares no kernel with them.
+"""Independent reference solution, with which tests compare the other methods.
+
+It integrates with SciPy between the located contact switches. It does not use any kernel of the other methods.
 """

@@ -1,7 +1,8 @@
-"""The contacts of a chain as the reference evaluates them: segments in NumPy, user-defined laws by their functions.
+"""Contact laws of a chain for the reference solution. Segments use NumPy, user-defined laws call their functions.
 
-A contact has one row for the pushing segments and one for the pulling segments. The displacement of a row is side (d - origin) of
-its first segment. The sections of a row are its segments.
+A contact has one row of arrays for its pushing segments and one row for its pulling segments. The displacement of a row
+is side (d - origin), where d is the overlap and the origin is that of its first segment. The sections of a row are its
+segments.
 """
 
 from __future__ import annotations
@@ -16,23 +17,24 @@ from softcradle.physics.segments import Segment
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-# Fraction of the depth: a user-defined law whose slope grows from there on down to a thousandth of it is stiff.
+# Fraction of the depth at which the slope of a user-defined law is tested. If the slope grows from this overlap down to
+# a thousandth of it, the law is stiff.
 SHALLOW = 1e-3
-# Factor by which it grows at least: that of a power law with the exponent 0.94.
+# Smallest growth factor of the slope of a stiff law. A power law with the exponent 0.94 has this factor.
 GROWS = 1.5
 
 
 class Laws:
-    """Force, slope, energy and overlap of all m rows at once.
+    """Force, slope, energy and overlap of all m rows at once. A row is the pushing or the pulling side of a contact.
 
     Attributes:
-        joint: (m,) number of the contact that each row belongs to.
-        side, origin: (m,) of its first segment.
+        joint: (m,) index of the contact to which each row belongs.
+        side, origin: (m,) side and origin of the first segment of each row.
         preload: (m,) force [N] at which each row begins to yield.
-        loss: (sections, m) part of its energy that each segment dissipates.
-        begin, end: (sections, m) displacements [m] between which each segment lies; inf for unused sections.
+        loss: (sections, m) fraction of its energy that each segment dissipates.
+        begin, end: (sections, m) displacements [m] at which each segment begins and ends; inf for unused sections.
         depth: (m,) displacement [m] of a row that is struck alone at the speed of the motion.
-        stiff: whether the slope of a force has no bound at small overlaps.
+        stiff: True if the slope of a force is unbounded at small overlaps.
     """
 
     def __init__(self, chain: Chain, speed: float) -> None:
@@ -61,7 +63,7 @@ class Laws:
         for _, rows_of_law in self.own:
             self._terms[:, :, rows_of_law] = np.nan
         energy, power = 0.5 * speed**2 / chain.inverse_reduced_mass[self.joint], 1.0 + self.exponent
-        # The smaller of the solutions for the preload alone and for the power law alone.
+        # Use the smaller of two solutions: for the preload alone, and for the power law alone.
         with np.errstate(divide="ignore"):
             self.depth = np.minimum(energy / self.preload, (power * energy / self.stiffness) ** (1.0 / power))
         for law, of_law in self.own:
@@ -74,7 +76,10 @@ class Laws:
         )
 
     def section(self, overlap: Array, velocity: Array, least: Array) -> Whole:
-        """Return the (m,) sections that the rows are in or move into. Within `least` (m,) [m] of an end the velocity decides."""
+        """Return for each row (m,) the section that contains its displacement, or that it enters.
+
+        Within `least` (m,) [m] of the end of a section, the velocity decides.
+        """
         outside = np.where(
             np.abs(overlap - self.begin) <= least, (velocity > 0.0) & np.isfinite(self.begin), overlap > self.begin
         )
@@ -82,7 +87,7 @@ class Laws:
         return found
 
     def force(self, overlap: Array, section: Whole, unloading: NDArray[np.bool_]) -> Array:
-        """Return the (..., m) forces [N] of loaded rows. They are not finite beyond the range of a user-defined law."""
+        """Return the (..., m) forces [N] of loaded rows. They are not finite outside the range of a user-defined law."""
         preload, stiffness, exponent, before, stop = self._terms[:, section, np.arange(section.size)]
         way = np.where(section > 0, overlap - self.begin[section, np.arange(section.size)], np.maximum(overlap, 0.0))
         share = np.where(unloading, 1.0 - self.loss_in(section), 1.0)
@@ -92,12 +97,15 @@ class Laws:
         return found
 
     def loss_in(self, section: Whole) -> Array:
-        """Return the (m,) losses of the segments that the rows are on."""
+        """Return the (m,) losses of the current segments of all rows."""
         found: Array = self.loss[section, np.arange(section.size)]
         return found
 
     def slope(self, overlap: Array, section: Whole, unloading: NDArray[np.bool_]) -> Array:
-        """Return the (m,) slopes df/dd [N/m]; 0 at overlap 0, because the slope of a power law can be infinite there."""
+        """Return the (m,) slopes df/dd [N/m].
+
+        The result is 0 at overlap 0, because the slope of a power law can be infinite there.
+        """
         _, stiffness, exponent, before, stop = self._terms[:, section, np.arange(section.size)]
         found, pressed = np.zeros(overlap.size), overlap > LEAST_OVERLAP
         way = (overlap - self.begin[section, np.arange(section.size)] + before)[pressed]
@@ -110,7 +118,7 @@ class Laws:
         return found
 
     def dissipable(self, overlap: Array) -> Array:
-        """Return the (..., m) energies [J] stored at displacements (..., m) that are dissipated on unloading."""
+        """Return the (..., m) energies [J] stored at displacements (..., m) that unloading will dissipate."""
         found = np.zeros(overlap.shape)
         for terms, loss, begin, end in zip(
             self._terms.transpose(1, 0, 2), self.loss, self.begin, self.end, strict=True
@@ -123,7 +131,7 @@ class Laws:
         return found
 
     def resting_overlap(self, force: Array, overlap: Array) -> Array:
-        """Return the (m,) overlaps [m] at which rows carry `force` (m,). Rows with preload keep the given `overlap`."""
+        """Return the (m,) overlaps [m] at which rows carry `force` (m,). Rows with a preload keep their `overlap`."""
         found, pushed = overlap.copy(), np.maximum(force, 0.0)
         small = self.preload == 0.0
         found[small] = (pushed[small] / self.stiffness[small]) ** (1.0 / self.exponent[small])

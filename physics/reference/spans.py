@@ -1,5 +1,6 @@
-"""Spans between two breakpoints of forces and brakes over time. In a span they are linear; the reference stops at each
-breakpoint.
+"""Time spans between two breakpoints of the forces and brakes. In a span, all forces are linear in time.
+
+The reference solution stops at each breakpoint.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from softcradle.physics.timed_force import summed
 
 Array = NDArray[np.float64]
 
-# Smallest time after the start at which values are taken, as a fraction of the span. A force that starts from 0 has its
-# sign there.
+# Smallest time after the start at which values are taken, as a fraction of the span. At this time, a force that starts
+# from 0 already has its sign.
 BESIDE = 1e-13
 
 
@@ -38,7 +39,7 @@ class Span:
 
     @classmethod
     def at(cls, chain: Chain, time: float) -> Span:
-        """Return the span that starts at `time`, or the rest of the span that contains it."""
+        """Return the span that starts at `time`. If `time` lies inside a span, return the rest of this span."""
         end = next((knot for knot in chain.knots if knot > time), math.inf)
         middle, beads = 0.5 * (time + end) if math.isfinite(end) else time + 1.0, chain.contacts + 1
         lines = []
@@ -49,7 +50,7 @@ class Span:
 
     @property
     def changes(self) -> bool:
-        """True if the span ends. The last span, with constant forces, does not."""
+        """True if the span has an end. The last span, with constant forces, has none."""
         return math.isfinite(self.end)
 
     def push_at(self, time: Any) -> Any:
