@@ -1,4 +1,4 @@
-"""Scales of a chain from energy estimates: speeds, and the depth and duration of each contact."""
+"""Estimates of the scales of a chain from energy: speeds, and the depth and duration of each contact."""
 
 from __future__ import annotations
 
@@ -17,20 +17,22 @@ from softcradle.physics.state import State, displacement, hanging_energy, rest_o
 
 Array = NDArray[np.float64]
 
-NO_APPROACH = 1e-13  # Approach speed, relative to the fastest bead, below which beads do not count as closing
+NO_APPROACH = 1e-13  # Approach speed, relative to the fastest bead, below which two beads do not count as approaching
 # Lower limit of the tolerance scale, as a fraction of the largest velocity difference.
 LEAST_SCALE = 1e-10
-# Smallest possible velocity error, as a fraction of the largest velocity difference (present or caused by forces):
-# round-off of a sum
+# Smallest velocity error, as a fraction of the largest velocity difference. It is the round-off of a sum of velocities.
+# The velocity difference may be present at the start or be produced by forces.
 SPEED_ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)
-# Range of overlaps [m] that can be computed. Powers of overlaps far beyond it overflow or underflow.
+# Smallest and largest overlap [m] that can be computed. Powers of overlaps far outside this range overflow or
+# underflow.
 LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e25
-# Number of default steps in the shortest contact time, and least number in the time in which bed friction stops a bead
+# Number of default steps in the shortest contact time, and smallest number of default steps in the time in which bed
+# friction stops a bead
 DEFAULT_STEPS_A_CONTACT, DEFAULT_STEPS_A_STOP = 1000, 100
 
 
 def _approach(values: Sequence[float]) -> float:
-    """Return the largest ``values[j] - values[k]`` over beads j to the left of k; 0 if none is positive."""
+    """Return the largest ``values[j] - values[k]`` for a bead j to the left of a bead k. Return 0 if none is positive."""
     found, ahead = 0.0, -math.inf
     for value in values:
         ahead = max(ahead, value)
@@ -39,17 +41,18 @@ def _approach(values: Sequence[float]) -> float:
 
 
 def speed_scale(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
-    """Return the `greatest_speed`, or 1 if it is 0, so that scales stay finite."""
+    """Return the `greatest_speed` [m/s], or 1 if it is 0. A scale must not be 0."""
     return greatest_speed(chain, velocity, duration) or 1.0
 
 
 def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
-    """Return the largest of the closing speed and the speeds that compressed contacts and the drive can give in
-    `duration` [m/s].
+    """Return the largest speed [m/s] at which beads can approach each other within `duration` [s].
+
+    It includes the closing speed at the start, and the speeds that compressed contacts and the drive can produce.
     """
     speeds = np.asarray(velocity, dtype=np.float64).tolist()
     found = max(speeds) - min(speeds)
-    # A drive gives a speed within the duration, but no more than it gives in the long run.
+    # A drive can produce a limited speed within the duration, which is never more than its limit for long times.
     if chain.driven:
         given = _given_speed(chain)
         found = max(found, given if duration is None else min(given, found + duration * _pull(chain)))
@@ -58,19 +61,19 @@ def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = N
 
 @per_chain
 def _given_speed(chain: Chain) -> float:
-    """Return the largest speed [m/s] that the drive can give, starting from the initial state."""
+    """Return the largest speed [m/s] that the drive can produce from the initial state."""
     return max(_driven_speed(chain, chain.drives), _fall_speed(chain, chain.drives, start_of(chain)[0]))
 
 
 @per_chain
 def _sprung_speed(chain: Chain) -> float:
-    """Return the largest speed [m/s] that contacts compressed at the start can give."""
+    """Return the largest speed [m/s] that contacts compressed at the start can produce."""
     return _released_speed(chain, start_of(chain)[0])
 
 
 @per_chain
 def _pull(chain: Chain) -> float:
-    """Return the largest difference of the accelerations [m/s²] that the drive gives to beads, over all times."""
+    """Return the largest difference between the accelerations [m/s²] of two beads by the drive, over all times."""
     return float(np.ptp(chain.drives * chain.inverse_mass, axis=1).max())
 
 
@@ -82,29 +85,30 @@ def closing_scale(
     duration: float | None,
     tolerance: float = math.inf,
 ) -> float:
-    """Return the speed [m/s] that the tolerance of a motion is relative to: the largest closing speed that is possible.
+    """Return the speed [m/s] to which the tolerance of a motion is relative: the largest possible closing speed.
 
-    It is the largest of these speeds: the speed at which beads approach (or separate, if couplers pull), the speed that
-    compressed contacts can give, and the speed that `external` forces (n+1,) [N] can give by pressing on contacts and
-    over the gaps. In a motion without any of these it is the speed of the moving beads. The scale is so large that
-    `tolerance` times the scale is at least the round-off of the velocities.
+    It is the largest of three speeds. The first is the speed at which beads approach (or separate, if couplers pull).
+    The second is the speed that compressed contacts can produce. The third is the speed that `external` forces (n+1,)
+    [N] can produce, by pressing on contacts and by accelerating beads over gaps. If all three are 0, it is the speed of
+    the moving beads. The scale has a lower limit, so `tolerance` times the scale is at least the round-off of the
+    velocities.
     """
     speeds = velocity.tolist()
     high, low, approach = max(speeds), min(speeds), _approach(speeds)
-    # Rates below round-off are not a closing.
+    # A rate below round-off does not count as approach.
     if approach <= NO_APPROACH * max(high, -low):
         approach = 0.0
-    if chain.pulls:  # separating beads come back
+    if chain.pulls:  # Couplers can pull separating beads back.
         approach = high - low
-    if chain.swing:  # and so do beads on strings
+    if chain.swing:  # Beads on strings swing back.
         approach = swinging_speed(chain, velocity, overlap)
     found, apart = max(approach, _released_speed(chain, overlap)), high - low
-    # Forces over time can give at most their largest acceleration times the time.
+    # Time-dependent forces can produce at most their largest acceleration times the duration.
     if chain.forces:
         until = chain.knots[-1] if duration is None else duration
         found = max(found, min(_given_speed(chain), approach + until * _pull(chain)))
         apart += until * _pull(chain)
-    # Steady forces, by pressing on contacts, by acceleration over gaps, or both within the duration.
+    # Steady forces act by pressing on contacts, by acceleration over gaps, or by both within the duration.
     if external is not None:
         acceleration = external * chain.inverse_mass
         pushes = external[None]
@@ -115,16 +119,17 @@ def closing_scale(
         found = max(found, given)
         if not found and duration is not None:
             found = float(np.abs(acceleration).max()) * duration
-    # All beads move together: any scale will do.
+    # All beads move together, so any scale is suitable.
     if not found and high == low:
         return 1.0
     return max(found, LEAST_SCALE * apart, SPEED_ROUND_OFF / tolerance * apart)
 
 
 def swinging_speed(chain: Chain, velocity: Array, overlap: Array) -> float:
-    """Return an upper bound [m/s] of closing speeds on strings, from velocities (n+1,) and overlaps (n,) at any time.
+    """Return an upper limit [m/s] of the closing speeds of beads on strings.
 
-    The difference of two displacements swings with its energy.
+    `velocity` (n+1,) and `overlap` (n,) are values at any time of the motion. The difference of two displacements
+    oscillates, and its energy limits the speed.
     """
     return math.hypot(
         np.ptp(velocity), math.sqrt(chain.swing) * np.ptp(displacement(chain, overlap, rest_of(chain)[1]))
@@ -132,13 +137,14 @@ def swinging_speed(chain: Chain, velocity: Array, overlap: Array) -> float:
 
 
 def largest_error(chain: Chain, start: State, end: State) -> Array:
-    """Return (n+1,) the largest possible error [m/s] of the velocities of `end`, from momentum and the energy since
-    `start`.
+    """Return the largest possible error [m/s] of each velocity (n+1,) in the state `end`.
+
+    It follows from the momentum, and from the energy since `start`.
     """
     force, passed = start.external(chain), end.time - start.time
     push = np.zeros(len(chain.mass)) if force is None else force
-    # Energy does not bound the velocities if walls have different speeds, if forces act over time, or if a wall moves
-    # and a bed brakes.
+    # Energy does not limit the velocities in three cases: walls with different speeds, time-dependent forces, and a
+    # moving wall together with a braking bed.
     walls = np.unique(start.velocity(chain)[np.isinf(chain.mass)])
     if walls.size > 1 or chain.forces or (walls.any() and chain.on_bed):
         return np.full(push.size, np.inf)
@@ -151,8 +157,8 @@ def largest_error(chain: Chain, start: State, end: State) -> Array:
 
 
 def is_possible(chain: Chain, start: State, error: float) -> bool:
-    """Return whether every bead velocity can have the error `error` [m/s]. A quick test with the fastest pair of beads
-    only.
+    """Return True if every bead velocity can have the error `error` [m/s]. This quick test uses only the fastest pair
+    of beads.
     """
     pairs = zip(start.rate.tolist(), chain.inverse_reduced_mass.tolist(), strict=True)
     return error <= math.sqrt(max(rate * rate / weight for rate, weight in pairs)) * _least_share(chain)
@@ -160,7 +166,7 @@ def is_possible(chain: Chain, start: State, error: float) -> bool:
 
 @per_chain
 def _least_share(chain: Chain) -> float:
-    """Return the smallest sqrt(1/m - 1/M), as in `velocity_room`."""
+    """Return the smallest sqrt(1/m - 1/M) of all beads, as in `velocity_room`."""
     total = math.inf if chain.walls or chain.takes_momentum else sum(chain.mass)
     heaviest = max(mass for mass in chain.mass if mass < math.inf)
     return math.sqrt(max(1.0 / heaviest - 1.0 / total, 0.0))
@@ -169,22 +175,23 @@ def _least_share(chain: Chain) -> float:
 def velocity_room(
     mass: Array, on_bed: NDArray[np.bool_], velocity: Array, stored: Array, push: Array, passed: Any
 ) -> tuple[Array, Array]:
-    """Return (..., n+1) the mean velocity of all beads after `passed` (...) [s], and the largest possible distance
-    [m/s] from it.
+    """Return limits of the bead velocities (..., n+1) after `passed` (...) [s]: the mean velocity of all beads, and the
+    largest possible difference [m/s] from this mean.
 
-    Beads with the energy E relative to their mean velocity deviate from it by at most sqrt(2 E (1/m - 1/M)), where M is
-    the total mass, infinite with a wall or a bed. Forces `push` (..., n+1) [N] add at most t sqrt(sum f²/m) to sqrt(2
-    E). `stored` (...) is the energy [J] of the contacts at the start.
+    Let E be the energy of all beads relative to their mean velocity. The velocity of a bead of mass m then differs from
+    the mean by at most sqrt(2 E (1/m - 1/M)). M is the total mass, which is infinite with a wall or a bed. In a time t,
+    forces f, given by `push` (..., n+1) [N], add at most t sqrt(sum f²/m) to sqrt(2 E). `stored` (...) is the energy
+    [J] of the contacts at the start.
     """
     walls = np.isinf(mass)
     finite, inverse = np.where(walls, 0.0, mass), 1.0 / mass
     held = walls.any(axis=-1) | on_bed
-    # The mean velocity is that of the walls if there are any, otherwise that of the centre of mass.
+    # The mean velocity is that of the walls. Without walls, it is that of the centre of mass.
     total = np.where(held, np.inf, finite.sum(axis=-1))
     first = np.take_along_axis(velocity, walls.argmax(axis=-1)[..., None], -1)[..., 0] * walls.any(axis=-1)
     mean = np.where(held, first, (finite * velocity).sum(axis=-1) / total)[..., None]
     pull = ((inverse > 0.0) * push).sum(axis=-1) / total
-    # Energy relative to the mean, and what forces can add to its square root.
+    # Energy relative to the mean velocity, and the largest increase of its square root by forces.
     energy = 0.5 * (finite * (velocity - mean) ** 2).sum(axis=-1) + stored
     given = passed * np.sqrt((inverse * (push - finite * pull[..., None]) ** 2).sum(axis=-1))
     room = (np.sqrt(2.0 * energy) + given)[..., None] * np.sqrt(np.maximum(inverse - 1.0 / total[..., None], 0.0))
@@ -192,8 +199,9 @@ def velocity_room(
 
 
 def _released_speed(chain: Chain, overlap: Array) -> float:
-    """Return the largest speed [m/s] at which a contact compressed to `overlap` drives its two beads apart; 0 without
-    such contacts.
+    """Return the largest speed [m/s] at which a contact compressed to `overlap` drives its two beads apart.
+
+    Return 0 if no contact is compressed.
     """
     if not max(overlap.tolist()) > 0.0:
         return 0.0
@@ -201,8 +209,9 @@ def _released_speed(chain: Chain, overlap: Array) -> float:
 
 
 def _fall_speed(chain: Chain, forces: Array, overlap: Array) -> float:
-    """Return the largest speed [m/s] at which beads meet after closing all gaps, starting from rest, under one of the
-    `forces` (K, n+1) [N].
+    """Return the largest speed [m/s] at which beads meet if they start from rest and an external force closes all gaps.
+
+    `forces` (K, n+1) [N] contains K cases of external forces.
     """
     gaps = float(-np.minimum(overlap, 0.0).sum())
     if gaps == 0.0:
@@ -211,8 +220,10 @@ def _fall_speed(chain: Chain, forces: Array, overlap: Array) -> float:
 
 
 def _driven_speed(chain: Chain, forces: Array) -> float:
-    """Return the largest speed [m/s] that a contact reaches under the part of one of the `forces` (K, n+1) [N] that it
-    passes on.
+    """Return the largest speed [m/s] that a contact reaches under an external force.
+
+    It is computed from the part of the force that the contact transmits. `forces` (K, n+1) [N] contains K cases of
+    external forces.
     """
     preload, stiffness, exponent = chain.law_rows.T
     force = np.maximum(_passed_on(chain, forces) - preload, 0.0)
@@ -226,27 +237,26 @@ def _driven_speed(chain: Chain, forces: Array) -> float:
 
 
 def _passed_on(chain: Chain, drives: Array) -> Array:
-    """Return the largest force (n,) [N] of each contact between rigid beads, starting from rest, under one of the
-    `drives` (K, n+1) [N].
+    """Return the largest force (n,) [N] of each contact if rigid beads start from rest under external forces.
 
-    Beads that are driven into each other move on as one body across all gaps: groups of beads are joined while the left
-    one accelerates faster.
+    `drives` (K, n+1) [N] contains K cases of external forces. Beads that are driven into each other move on as one
+    body, even across gaps: two groups of beads are joined if the left group accelerates faster.
     """
     walls, greatest = np.isinf(chain.mass), np.zeros(chain.contacts)
     for drive in drives:
-        runs: list[tuple[int, float, float]] = []  # number of beads, total drive and mass [kg] of each group
-        # Join the beads that are driven into each other to groups with a common acceleration.
+        runs: list[tuple[int, float, float]] = []  # Number of beads, total drive [N] and total mass [kg] of each group
+        # Join beads that are driven into each other to groups with a common acceleration.
         for push, inertia in zip(drive.tolist(), chain.mass, strict=True):
             count, whole, total = 1, push, inertia
             while runs and runs[-1][1] / runs[-1][2] > whole / total:
                 more, other, beside = runs.pop()
                 count, whole, total = count + more, whole + other, total + beside
             runs.append((count, whole, total))
-        # The contact force is the sum of what the beads on its left have left over.
+        # The force of a contact is the sum of the forces that the beads on its left transmit.
         counts = np.array([count for count, _, _ in runs])
         acceleration = np.repeat([whole / total for _, whole, total in runs], counts)
-        left = drive - chain.finite_mass * acceleration  # force that the contacts must take from each bead
-        if walls.any():  # a wall holds the group that contains it
+        left = drive - chain.finite_mass * acceleration  # Force that the contacts must absorb from each bead
+        if walls.any():  # A wall holds the group to which it belongs.
             left -= np.where(walls, np.repeat(np.add.reduceat(left, np.cumsum(counts) - counts), counts), 0.0)
         passed = np.cumsum(left)[:-1]
         greatest = np.maximum(greatest, np.where(passed > NO_APPROACH * np.abs(drive).sum(), passed, 0.0))
@@ -254,19 +264,21 @@ def _passed_on(chain: Chain, drives: Array) -> Array:
 
 
 def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> tuple[Array, Array]:
-    """Return (n,) estimates of largest overlap [m] and contact time [s] if each contact were struck alone, within
-    `duration` [s].
+    """Return estimates (n,) of the largest overlap [m] and of the contact time [s], as if each contact were struck
+    alone.
 
-    The energy balance ``F d + K d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu is approximated by the smaller
-    of its two one-term solutions; for user-defined laws their energy is used. The time is that of moving over this
-    overlap and back at the closing speed.
+    The speed is the largest speed within `duration` [s]. The overlap d follows from the energy balance ``F d + K
+    d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu. It is approximated by the smaller of the two solutions in
+    which one term on the left is left out. For user-defined laws, their energy is used. The contact time is the time
+    for moving over this overlap and back at the closing speed.
     """
     return scales_at(chain, speed_scale(chain, velocity, duration))
 
 
 def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Array | float) -> Array:
-    """Return the overlaps [m], any shape, at which contacts store `energy` [J]: the smaller of the two one-term
-    solutions.
+    """Return the overlaps [m], any shape, at which contacts store `energy` [J].
+
+    The result is the smaller of two solutions: for the preload alone, and for the power law alone.
     """
     with np.errstate(divide="ignore"):
         by_power = powers((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent))
@@ -274,13 +286,13 @@ def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Arra
 
 
 def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
-    """Return (n,) overlaps [m] and times [s] of contacts that are struck alone at `speed` [m/s]."""
+    """Return the overlaps (n,) [m] and contact times (n,) [s] of contacts that are struck alone at `speed` [m/s]."""
     energy = 0.5 * speed * speed / chain.inverse_reduced_mass
     preload, stiffness, exponent = chain.law_rows.T
     depth = struck_depth(preload, stiffness, exponent, energy)
     for i, law in chain.own_contacts:
         depth[i] = law.depth(float(energy[i]))
-    # Time over the overlap and back; a stop shortens it to half a period of its spring.
+    # Time for moving over the overlap and back. With a stop, it is at most half a period of the spring of the stop.
     times = 2.0 * depth / speed
     for i, contact in chain.piecewise:
         if contact.stop_stiffness:
@@ -292,25 +304,24 @@ def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
 def shortest_contact(chain: Chain, speed: float, start: ArrayLike | None = None) -> float:
     """Return the time [s] of the shortest contact of the chain at the closing speed `speed` [m/s].
 
-    If the start velocities (n+1,) [m/s] are given, contacts that stay touching during the whole motion do not count.
+    If the start velocities (n+1,) [m/s] are given, contacts that stay touching during the whole motion are ignored.
     """
     times = scales_at(chain, speed)[1]
     return float((times if start is None else times[~stays_touching(chain, start)]).min())
 
 
 def stays_touching(chain: Chain, velocity: ArrayLike) -> NDArray[np.bool_]:
-    """Return (n,) whether each contact surely stays touching during the motion from the start of `chain` with
-    velocities (n+1,) [m/s].
+    """Return True for each contact (n,) that surely stays touching during the whole motion.
 
-    Without external forces, a contact with preload that touches at the start passes on at most the largest force of the
-    moving contacts. So it never yields if its preload is larger than any force that these contacts reach with all the
-    energy.
+    The motion starts with `velocity` (n+1,) [m/s]. Without external forces, a contact with preload that touches at the
+    start transmits at most the largest force of the moving contacts. It never yields if its preload is larger than any
+    force that the moving contacts can reach with all the energy.
     """
     speeds, stays = np.asarray(velocity, dtype=np.float64), np.zeros(chain.contacts, dtype=np.bool_)
     walls = np.isinf(chain.mass)
     if chain.driven or chain.on_bed or chain.piecewise or chain.own_laws or np.unique(speeds[walls]).size > 1:
         return stays
-    # All the energy in the frame of the centre of mass, or of the walls.
+    # All the energy, relative to the centre of mass or to the walls.
     mass = chain.finite_mass
     mean = float(speeds[walls][0]) if walls.any() else float(speeds @ mass / mass.sum())
     overlap, preload, stiffness, exponent = -np.array(chain.gap), *chain.law_rows.T
@@ -318,7 +329,7 @@ def stays_touching(chain: Chain, velocity: ArrayLike) -> NDArray[np.bool_]:
     if energy == 0.0:
         return stays
     greatest = preload + stiffness * powers(struck_depth(preload, stiffness, exponent, energy), exponent)
-    # Remove contacts whose preload another contact can exceed, until nothing changes.
+    # Remove contacts whose preload can be exceeded by the force of another contact, until nothing changes.
     stays = (overlap == 0.0) & (np.diff(speeds) == 0.0) & (preload > 0.0)
     while stays.any():
         held = stays & (preload > greatest[~stays].max(initial=0.0))
@@ -330,7 +341,7 @@ def stays_touching(chain: Chain, velocity: ArrayLike) -> NDArray[np.bool_]:
 
 @per_chain
 def as_it_pulls(chain: Chain) -> Chain | None:
-    """Return the chain with the pulling gear in place of each contact that pulls; None if no contact pulls."""
+    """Return the chain with the pulling gear in place of each contact that pulls. Return None if no contact can pull."""
     if not chain.pulls:
         return None
     contacts = list(chain.contact)
@@ -343,14 +354,14 @@ def as_it_pulls(chain: Chain) -> Chain | None:
 def default_step(chain: Chain, velocity: ArrayLike, duration: float | None = None, touching: bool = False) -> float:
     """Return the default step [s] of a fixed-step method: a thousandth of the shortest contact time within `duration`.
 
-    With bed friction or brakes it is at most a hundredth of the time in which they stop a bead. `touching` is True for
-    a whole motion with a method that keeps touching contacts closed: then contacts that stay touching do not count.
+    With bed friction or brakes, it is at most a hundredth of the time in which they stop a bead. `touching` is True for
+    a whole motion with a method that keeps touching contacts closed. Contacts that stay touching are then ignored.
     """
     return step_at(chain, speed_scale(chain, velocity, duration), velocity if touching else None)
 
 
 def step_at(chain: Chain, speed: float, start: ArrayLike | None = None) -> float:
-    """Return the `default_step` [s] at the closing speed `speed` [m/s]; `start` as in :func:`shortest_contact`."""
+    """Return the `default_step` [s] at the closing speed `speed` [m/s]. `start` is as in :func:`shortest_contact`."""
     shortest = shortest_contact(chain, speed, start) / DEFAULT_STEPS_A_CONTACT
     strongest = max(chain.bed.tolist(), default=0.0)
     return min(shortest, speed / strongest / DEFAULT_STEPS_A_STOP) if strongest else shortest
@@ -358,11 +369,11 @@ def step_at(chain: Chain, speed: float, start: ArrayLike | None = None) -> float
 
 @per_chain
 def _computable_speeds(chain: Chain) -> tuple[float, float]:
-    """Return limits of the speed scale [m/s] between which all contact depths can surely be computed.
+    """Return a range of speed scales [m/s] in which the depths of all contacts can surely be computed.
 
-    With user-defined laws the range is empty, so that their depths are always checked one by one. At a depth d below 1
-    m, a contact stores at most the larger of its preload and stiffness times d; at depths up to MOST_DEPTH at least
-    that.
+    For user-defined laws the range is empty, so their depths are always checked one by one. At a depth d below 1 m, a
+    contact stores at most d times the larger of its preload and its stiffness. At larger depths up to MOST_DEPTH, it
+    stores at least this energy.
     """
     if chain.own_laws:
         return math.inf, 0.0
@@ -373,9 +384,7 @@ def _computable_speeds(chain: Chain) -> tuple[float, float]:
 
 
 def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> None:
-    """Raise ValueError if a contact would be pressed so little or so far that powers of the overlap leave the range of
-    floats.
-    """
+    """Raise ValueError if powers of an overlap would leave the range of floats, because it is too small or too large."""
     speed = speed_scale(chain, velocity, duration)
     least, most = _computable_speeds(chain)
     if least < speed < most:
@@ -387,7 +396,7 @@ def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None
             least=SMALLEST,
             given=speed,
         )
-    # The quick range excludes the motion: check each contact.
+    # The speed is outside the range of the quick test. Check each contact.
     with np.errstate(over="ignore", under="ignore"):
         depth = scales_at(chain, speed)[0]
     for i, law in chain.own_contacts:

@@ -82,13 +82,13 @@ class SoftChainState:
 class SoftChain:
     """Contacts between neighbours in a row of bodies. Other joints, shapes and gravity act as usual.
 
-    A SoftChain is a sequence of constraints, one between every two neighbours. Add them with ``space.add(*bodies,
-    *chain)``. Only constraints that are in the Space push. If one is removed, the row splits into two rows that move
-    separately. `remove_from` removes all constraints, or those of some bodies. Shapes of neighbours do not collide. In
-    every step of the Space, the first constraint that is evaluated solves all contacts by the method `conserving`. A
-    collision conserves energy and momentum to round-off, with any step. The velocities of single bodies have a
-    second-order error in the step: use `substeps` to reduce it. If a step is too long for a collision, or if bodies
-    pass through each other, a RuntimeWarning is issued once.
+    Iteration over a SoftChain yields its constraints, one between every two neighbours; ``chain[i]`` is one of them.
+    Add them all with ``space.add(*bodies, *chain)``. Only constraints that are in the Space push. If one is removed,
+    the row splits into two rows that move separately. `remove_from` removes all constraints, or those of some bodies.
+    Shapes of neighbours do not collide. In every step of the Space, the first constraint that is evaluated solves all
+    contacts by the method `conserving`. A collision conserves energy and momentum to round-off, with any step. The
+    velocities of single bodies have a second-order error in the step: use `substeps` to reduce it. If a step is too
+    long for a collision, or if bodies pass through each other, a RuntimeWarning is issued once.
 
     The positions X of pymunk's bodies are half a step behind their velocities V. `positions` returns the positions ``X
     + (step/2) V`` at the time of the velocities. The sum of kinetic energy and `energy` is constant. The kinetic energy

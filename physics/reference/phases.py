@@ -1,8 +1,9 @@
-"""Phases of the reference. During a phase no unilateral constraint changes its mode, so the right-hand side is smooth.
+"""Phases of the reference solution. During a phase, no unilateral constraint changes its mode, so the right-hand side
+is smooth.
 
-A constraint ("row") is one side of a contact, either the pushing or the pulling one, or a bead on the bed. A side has the
-displacement d, its rate w and the force f; a bead has the velocity v and the friction r. The modes are, with the preload F,
-the stiffness K, the exponent a, the loss l, the largest friction R and the capacity C:
+A constraint ("row") is either one side of a contact (pushing or pulling) or the friction of a bead on the bed. A side
+has the displacement d, its rate w and the force f. A bead has the velocity v and the friction r. F is the preload, K
+the stiffness, a the exponent, l the loss, R the largest friction, and C the capacity. The modes are:
 
     OPEN      d < 0           f = 0                       until d = 0
     TOUCHING  d = 0, w = 0    f the multiplier of w' = 0  until f leaves [0, C]
@@ -12,17 +13,17 @@ the stiffness K, the exponent a, the loss l, the largest friction R and the capa
     SLIDES    v != 0          r = R sign(v)               until v = 0
     STICKS    v = 0           r the multiplier of v' = 0  until r leaves [-R, R]
 
-A side with several segments is on one of them, and a phase ends where it passes on to the next. A side that pulls is OPEN until
-its coupler has coupled.
+A side with several segments is on one of them. A phase ends when it passes on to the next segment. A pulling side is
+OPEN until its coupler has coupled.
 
     d' = w,   w' = B M^-1 (push - B^T f)          B: (p, n+1), the velocities of the rows from those of the beads
 
-On strings, omega² (r - d) adds to w', with the overlap r at rest.
+On strings, the term omega² (r - d) is added to w', where r is the overlap at rest.
 
-The capacity C is the force of the law at the smallest overlap that the tolerance distinguishes from 0, so it exceeds
-the preload F. Without it, overlaps inside a rigid-like cluster behind a soft interface would start at 1e-100, and no
-step could follow them. At a switch, Gauss's principle decides which constraints move on: the accelerations are as close
-as possible to the free ones, with multipliers inside their bounds.
+The capacity C is the force of the law at the smallest overlap that the tolerance distinguishes from 0. It exceeds the
+preload F. Without this capacity, overlaps inside a rigid-like cluster behind a soft interface would start at 1e-100,
+and no step could follow them. At a switch, Gauss's principle decides which constraints move on. It requires
+accelerations as close as possible to the free ones, with multipliers inside their bounds.
 """
 
 from __future__ import annotations
@@ -45,28 +46,33 @@ Modes = NDArray[np.int8]
 Which = NDArray[np.bool_]
 
 OPEN, TOUCHING, LOADED, HELD, RELEASED = 0, 1, 2, 3, 4  # modes of contacts
-FREE, BACKWARD, STICKS, FORWARD = 5, 6, 7, 8  # modes of beads; FREE if nothing brakes the bead
+FREE, BACKWARD, STICKS, FORWARD = 5, 6, 7, 8  # modes of beads. A bead is FREE if nothing brakes it.
 FIXED = TOUCHING, HELD, STICKS
-# Modes for each kind of constraint: at the smallest multiplier, between the bounds, and at the largest multiplier.
+# Three modes for each kind of constraint: with the multiplier at its lower bound, between its bounds, and at its upper
+# bound.
 AT_REST = {"corner": (OPEN, TOUCHING, LOADED), "turn": (RELEASED, HELD, LOADED), "bed": (BACKWARD, STICKS, FORWARD)}
 
-# Local error of a step, relative to the wanted error. It is so small that thousands of steps together stay below it.
+# Allowed local error of a step, as a fraction of the wanted error of the run. It is so small that the errors of
+# thousands of steps together stay below the wanted error.
 RELATIVE_SMOOTH = 1e-4
-RELATIVE_STIFF = 1e-3  # The same for stiff contacts. Their steps damp errors, so they may be larger.
-# Factor of the local error if a side has several segments: beyond a stop, a small part of the displacement counts.
+RELATIVE_STIFF = 1e-3  # The same fraction for stiff contacts. Their steps damp errors, so the fraction may be larger.
+# Factor of the local error if a contact side has several segments. Beyond a stop, a small part of the displacement
+# matters.
 OUTER = 0.1
-FINEST = 3e-14  # Smallest relative tolerance that double precision allows.
-SLACK = 1e-12  # Distance from its bounds, relative to the largest multiplier, at which a multiplier ends the phase.
+FINEST = 3e-14  # Smallest relative tolerance that is possible in double precision.
+SLACK = 1e-12  # Distance of a multiplier from its bounds that ends the phase, relative to the largest multiplier.
 BALANCE_ROUND_OFF = 1e-15  # Rounding error of a multiplier, relative to the forces that it balances.
-SINGULAR = 1e-13  # Fraction of the largest eigenvalue. Below it, two constraints count as linearly dependent.
+# Fraction of the largest eigenvalue. Constraints with a smaller eigenvalue count as linearly dependent.
+SINGULAR = 1e-13
 TINY = float(np.finfo(np.float64).tiny)
-# Factor on the energy below which bounces with loss would never end, because each is as small as the error of its start
-# time.
+# Factor of the smallest bounce energy with loss. Smaller bounces would never end, because each is as small as the error
+# of its start time.
 SETTLED = 8.0
-# A bead counts as held by fixed constraints if less than this share of every push on it remains. It allows for rounding
-# errors.
+# Fraction of each external force on a bead. If fixed constraints leave less than this fraction, they hold the bead. It
+# allows for rounding errors.
 STILL = 1e-9
-MOST_EVALUATIONS = 3_000_000  # Largest number of evaluations of a run. At about 100 us each they take some minutes.
+# Largest number of evaluations of a run. Each takes about 100 us, so the run takes some minutes.
+MOST_EVALUATIONS = 3_000_000
 
 
 class OutOfEvaluationsError(Exception):
@@ -74,11 +80,11 @@ class OutOfEvaluationsError(Exception):
 
 
 class System:
-    """Chain as NumPy arrays: its p constraints with their laws and bounds, and the smallest values that the tolerance
-    distinguishes.
+    """Chain as NumPy arrays: the laws and bounds of its p constraints, and the smallest values that the tolerance
+    distinguishes from 0.
 
-    The state vector y (m+n+2,) contains the overlaps of the m contacts, the rates of the n joints, and position and
-    velocity of the anchor bead.
+    The state vector y (m+n+2,) contains the overlaps of the m sides of contacts, the rates of the n joints between
+    neighbours, and the position and velocity of the anchor bead.
     """
 
     def __init__(self, chain: Chain, state: State, tolerance: float, duration: float | None) -> None:
@@ -88,16 +94,18 @@ class System:
         external = state.external(chain)
         self.steady = np.zeros(self.n + 1) if external is None else external
         self.bed = chain.finite_mass * GRAVITY * chain.friction
-        self.rest, self.place = rest_of(chain)  # of beads on strings
+        self.rest, self.place = rest_of(chain)  # Overlaps and anchor position of beads on strings at rest
         self.first = np.unique(laws.joint, return_index=True)[1]  # the pushing side of each joint
-        # Matrix from the velocities of beads to those of constraints: differences of neighbours, and on a bed also each bead.
+        # Matrix that maps the velocities of beads to those of constraints. Its rows are differences of neighbours. On a
+        # bed, it also has a row for each bead.
         difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
         contacts = laws.side[:, None] * difference[laws.joint]
         self.rows = np.vstack((contacts, np.eye(self.n + 1))) if chain.on_bed else contacts
         self.coupling = self.rows * chain.inverse_mass @ self.rows.T
         self.response = np.where(self.coupling.diagonal() > 0.0, self.coupling.diagonal(), 1.0)
         self.evaluations, self.most_evaluations = 0, MOST_EVALUATIONS
-        # An overlap d with the energy F d changes velocities in proportion to the square root of d.
+        # An overlap d with the energy F d changes velocities in proportion to sqrt(d). Therefore the smallest overlap
+        # is proportional to the square of the tolerance.
         self.least_overlap = laws.depth * tolerance**2
         self.least_rate = 1e-3 * tolerance * speed
         self.coupled = np.ones(self.n, dtype=bool)
@@ -105,7 +113,8 @@ class System:
             self.coupled = coupled_of(chain, state) != 0
         first = np.zeros(self.m, dtype=np.int64)
         self.capacity = laws.force(self.least_overlap, first, first > 0)
-        # With loss, a slower bounce would not exceed the least overlap, which is also the error of its located start.
+        # With loss, a slower bounce would not exceed the smallest overlap. This overlap is also the error with which
+        # its start is located.
         with np.errstate(divide="ignore", invalid="ignore"):
             square = SETTLED * self.response[: self.m] * self.capacity * self.least_overlap / laws.loss[0]
         self.least_bounce = np.where(laws.loss[0] > 0.0, np.sqrt(square), 0.0)
@@ -126,7 +135,7 @@ class System:
         return from_anchor(y[..., self.m : self.m + self.n], y[..., -1], self.chain.anchor)
 
     def pull(self, y: Array) -> Array:
-        """Return the (..., n) accelerations [m/s²] of the joints by strings, towards their overlaps at rest."""
+        """Return the (..., n) accelerations [m/s²] of the joints by the strings. They act towards the overlaps at rest."""
         overlap = self.laws.origin[self.first] + self.laws.side[self.first] * y[..., self.first]
         return self.chain.swing * (self.rest - overlap)
 
@@ -136,25 +145,30 @@ class System:
         return self.chain.finite_mass * pulled
 
     def row_velocity(self, y: Array) -> Array:
-        """Return the (..., p) velocities [m/s] of the constraints. The velocities of contacts come from the rates,
-        because small rates are accurate.
+        """Return the (..., p) velocities [m/s] of the constraints.
+
+        The velocities of contacts are computed from the overlap rates, because these are accurate even if they are
+        small.
         """
         rate = self.laws.side * y[..., self.m : self.m + self.n][..., self.laws.joint]
         return np.concatenate((rate, self.velocity(y)), axis=-1) if self.chain.on_bed else rate
 
     def section(self, y: Array) -> NDArray[np.int64]:
-        """(m,) the segment of its side that each row is on, or moves into."""
+        """Return the (m,) index of the segment that each side of a contact is on, or that it enters."""
         return self.laws.section(y[: self.m], self.row_velocity(y)[: self.m], 2.0 * self.least_overlap)
 
     def on_joints(self, force: Array) -> Array:
-        """Return the (..., n) forces between neighbours [N] from those of contacts (..., m or p); negative if they
-        pull.
+        """Return the (..., n) forces between neighbours [N]. They are negative if contacts pull.
+
+        The argument contains the forces of the sides of contacts (..., m), or of all constraints (..., p).
         """
         on = (self.laws.joint[:, None] == np.arange(self.n)) * self.laws.side[:, None]
         return force[..., : self.m] @ on + 0.0
 
     def acts(self) -> Which:
-        """(m,) whether each row takes part: one that pulls does if its contact has coupled."""
+        """Return True for each side (m,) of a contact that can act. A pulling side acts only if its coupler has
+        coupled.
+        """
         return (self.laws.side > 0.0) | self.coupled[self.laws.joint]
 
     def push(self, time: Any, span: Span) -> Array:
@@ -162,23 +176,24 @@ class System:
         return self.steady + span.push_at(time) if self.chain.forces else self.steady
 
     def brake(self, time: Any, span: Span) -> Array:
-        """Return the (..., n+1) friction [N] of sliding beads at `time` (...), by the bed and by brakes."""
+        """Return the (..., n+1) friction [N] of sliding beads at `time` (...). It includes the bed and the brakes."""
         return self.bed + span.brake_at(time) * np.isfinite(self.chain.mass) if self.chain.brakes else self.bed
 
     def least_turn(self, overlap: Array) -> Array:
-        """Return the (..., m) rates [m/s] below which contacts with loss count as not moving. They are proportional to
-        the overlap.
+        """Return the (..., m) rates [m/s] below which contacts with loss count as resting.
+
+        They are proportional to the overlap.
         """
         return self.least_rate * np.clip(overlap / self.laws.depth, 0.0, 1.0)
 
 
 @dataclass
 class Phase:
-    """Interval of time in which no constraint changes its mode or its segment, see `section` (m,).
+    """Interval of time in which no constraint changes its mode, and no contact changes its segment `section` (m,).
 
-    `solved` (p, p) maps the pushes to the multipliers of fixed constraints, and `carried` (p, p) maps the forces of the
-    other constraints to them. These multipliers prevent motion of the joints marked in `stands` (n,) and of the beads
-    marked in `still` (n+1,).
+    Constraints at rest are fixed by multipliers. `solved` (p, p) maps the external forces to these multipliers, and
+    `carried` (p, p) maps the forces of the other constraints to these multipliers. The multipliers prevent motion of
+    the joints marked in `stands` (n,) and of the beads marked in `still` (n+1,).
     """
 
     system: System
@@ -196,7 +211,7 @@ class Phase:
         self.unloading = mode[:m] == RELEASED
         self.pressed = self.unloading | (mode[:m] == LOADED)
         self.side = np.where(mode[m:] == FORWARD, 1.0, np.where(mode[m:] == BACKWARD, -1.0, 0.0))
-        # sign with which the guard of the overlap is positive; 0 if the mode has no such guard
+        # Sign for which the distance by overlap is positive; 0 if the mode does not end by its overlap.
         self.way = np.where(self.pressed, 1.0, np.where((mode[:m] == OPEN) & system.acts(), -1.0, 0.0))
         turn = np.where(mode[:m] == RELEASED, -1.0, (mode[:m] == LOADED) * 1.0) * (self.loss > 0.0)
         self.turn = np.concatenate((turn, self.side))
@@ -206,7 +221,7 @@ class Phase:
         if fixed.any():
             at, size = np.ix_(fixed, fixed), np.sqrt(system.response[fixed])
             scaled = system.coupling[at] / np.outer(size, size)
-            # Pseudo-inverse, because multipliers are not unique between two walls or between beads that stick.
+            # Use the pseudo-inverse. Multipliers are not unique between two walls, or between beads that stick.
             self.solved[at] = np.linalg.pinv(scaled, SINGULAR, hermitian=True) / np.outer(size, size)
             self.carried = -self.solved @ system.coupling
             self.carried[:, fixed] = 0.0
@@ -215,7 +230,9 @@ class Phase:
         self.stands |= self.still[:-1] & self.still[1:]
 
     def given(self, time: Any, y: Array) -> Array:
-        """Return the (..., p) forces [N] of all constraints that are not fixed, by contact laws and friction."""
+        """Return the (..., p) forces [N] of all constraints that are not fixed. They follow from contact laws and
+        friction.
+        """
         system = self.system
         force = system.laws.force(y[..., : system.m], self.section, self.unloading)
         found: Array = np.where(self.pressed, force, 0.0)
@@ -225,7 +242,7 @@ class Phase:
         return np.concatenate((found, brake), axis=-1)
 
     def force(self, time: Any, y: Array) -> Array:
-        """Return the (..., p) forces [N] of all constraints; those of fixed constraints are multipliers."""
+        """Return the (..., p) forces [N] of all constraints. The forces of fixed constraints are multipliers."""
         found, system = self.given(time, y), self.system
         if self.fixed.any():
             pushed = (system.push(time, self.span) * system.chain.inverse_mass) @ system.rows.T
@@ -272,12 +289,12 @@ class Phase:
         return matrix
 
     def guards(self, time: Any, y: Array) -> tuple[Array, Array, Array]:
-        """Return the distances of the constraints from their next switch, by overlap (..., m), velocity (..., p) and
-        multiplier (..., p).
+        """Return the distance of each constraint from its next switch: by its overlap (..., m), its velocity (..., p)
+        and its multiplier (..., p).
 
-        The distances are relative to the depth, the speed and the bound. A distance is negative after the switch, and infinite
-        if the switch is impossible. A small tolerance prevents a constraint that has just switched from switching back by
-        rounding errors.
+        The three distances are relative to the depth, the speed and the bound of the multiplier. A distance is negative
+        after the switch, and infinite if the switch is impossible. A small tolerance prevents a constraint from
+        switching back immediately because of rounding errors.
         """
         system, m = self.system, self.system.m
         overlap = y[..., :m]
@@ -295,7 +312,11 @@ class Phase:
         return by_overlap, by_velocity, np.where(self.fixed, inside, np.inf)
 
     def by_section(self, y: Array) -> Array:
-        """(..., m) how far each row is from the ends of its segment, in parts of its depth, as `guards`."""
+        """Return the (..., m) distance of each side of a contact from the ends of its segment, as a fraction of its
+        depth.
+
+        The distance is one of the `guards`.
+        """
         system, m = self.system, self.system.m
         laws, rows, overlap = system.laws, np.arange(m), y[..., :m]
         begin, end = laws.begin[self.section, rows], laws.end[self.section, rows]
@@ -307,8 +328,9 @@ class Phase:
         return BALANCE_ROUND_OFF * (np.abs(force) @ np.abs(self.system.coupling)) / self.system.response
 
     def carries(self, time: Any, y: Array) -> Which:
-        """Return (..., m) True if a contact pushes: its overlap exceeds the least one, or its multiplier exceeds the
-        rounding error.
+        """Return True for each contact side (..., m) that pushes.
+
+        Its overlap must exceed the smallest one, or its multiplier must exceed the rounding error.
         """
         force, m = self.force(time, y), self.system.m
         held: Which = (force > self.noise(force))[..., :m] & self.fixed[:m]
@@ -328,7 +350,7 @@ class Phase:
         return np.concatenate((low, -brake), -1), np.concatenate((law, brake), -1)
 
     def margin(self, time: Any, y: Array) -> Array:
-        """Return the (..., p) smallest of the `guards` of each constraint."""
+        """Return the (..., p) smallest distance of each constraint from a switch, see `guards`."""
         by_overlap, by_velocity, inside = self.guards(time, y)
         found: Array = np.minimum(by_velocity, inside)
         by_overlap = np.minimum(by_overlap, self.by_section(y))
@@ -336,8 +358,9 @@ class Phase:
         return found
 
     def shown_overlap(self, overlap: Array, force: Array) -> Array:
-        """Return the (m,) overlaps for samples. A contact without preload that counts as touching gets the overlap of
-        its force.
+        """Return the (m,) overlaps for samples.
+
+        A contact without preload that counts as touching gets the overlap at which its law has the current force.
         """
         resting = self.mode[: self.system.m] == TOUCHING
         if not resting.any():
@@ -357,17 +380,19 @@ def first_phase(system: System, span: Span, time: float, y: Array) -> Phase:
 
 
 def switched_phase(phase: Phase, time: float, y: Array) -> Phase:
-    """Return the phase right after the switch of those constraints that are closest to their switch or past it."""
+    """Return the phase right after a switch.
+
+    The constraints that switch are those that are closest to their switch, or beyond it.
+    """
     by_overlap, by_velocity, inside = phase.guards(time, y)
     past = max(0.0, float(min(by_overlap.min(), by_velocity.min(), inside.min(), phase.by_section(y).min())))
     return next_phase(phase, phase.span, time, y, by_overlap <= past, by_velocity <= past)
 
 
 def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which, turning: Which | None = None) -> Phase:
-    """Return the phase after `before`. Contacts `closing` (m,) are at overlap 0 and constraints `turning` (p,) at
-    velocity 0.
+    """Return the phase after `before`. The overlaps of contacts in `closing` are set to exactly 0 in `y`.
 
-    These overlaps are set to exactly 0 in `y`.
+    The contacts `closing` (m,) have reached overlap 0, and the constraints `turning` (p,) have reached velocity 0.
     """
     system, m, mode = before.system, before.system.m, before.mode.copy()
     overlap, velocity = y[:m], system.row_velocity(y)
@@ -376,20 +401,19 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
     _brake(system, span, time, mode, velocity)
     section = system.section(y)
     loss = system.laws.loss_in(section)
-    # Constraints whose velocity the tolerance does not distinguish from 0, and contacts whose next bounce would be too
-    # small.
+    # Constraints whose velocity is too small for the tolerance, and contacts whose next bounce would be too small.
     slow = np.abs(velocity) <= 2.0 * system.least_rate
     slow[:m] |= np.abs(velocity[:m]) <= system.least_bounce
-    # The contact is being compressed from overlap 0. The switch of another constraint must not stop it.
+    # These contacts are being compressed from overlap 0. The switch of another constraint must not stop them.
     yields = (mode[:m] == LOADED) & (velocity[:m] > 0.0)
     corner = (mode[:m] == TOUCHING) | (
         slow[:m] & ~yields & (np.abs(overlap) <= 2.0 * system.least_overlap) & system.acts()
     )
-    # Contacts with loss that come to rest while compressed, between loading and unloading.
+    # Contacts with loss that come to rest while compressed. They are between loading and unloading.
     turns = (mode[:m] == LOADED) | (mode[:m] == RELEASED)
     turns &= (loss > 0.0) & (np.abs(velocity[:m]) <= 2.0 * system.least_turn(overlap))
     turns |= mode[:m] == HELD
-    # Contacts that reach overlap 0 at a speed pass straight on to LOADED or OPEN.
+    # Contacts that reach overlap 0 at some speed change directly to LOADED or OPEN.
     overlap[closing | corner] = 0.0
     mode[:m][closing & ~corner] = np.where(velocity[:m] >= 0.0, LOADED, OPEN)[closing & ~corner]
     corner |= closing & slow[:m]
@@ -399,7 +423,7 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
         "bed": (mode >= BACKWARD) & (slow | (mode == STICKS)),
     }
     resting = np.logical_or.reduce(list(kinds.values()))
-    # For all others, first assume rest, then let Gauss's principle decide which of them move on, and in which
+    # First assume that all other constraints rest. Then Gauss's principle decides which of them move on, and in which
     # direction.
     if resting.any():
         for kind, rows in kinds.items():
@@ -415,7 +439,7 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
 
 
 def _brake(system: System, span: Span, time: float, mode: Modes, velocity: Array) -> None:
-    """Update the modes of beads at which braking begins or ends, in place."""
+    """Update, in place, the modes of beads at which braking begins or ends."""
     beads, m = mode[system.m :], system.m
     if beads.size:
         braked = system.brake(time, span) > 0.0
@@ -425,8 +449,9 @@ def _brake(system: System, span: Span, time: float, mode: Modes, velocity: Array
 
 
 def _stop(rests: Phase, y: Array) -> None:
-    """Set the velocities of constraints at rest to 0 in place, by the impulses between their beads, which conserve
-    momentum.
+    """Set the velocities of constraints at rest to 0, in place.
+
+    This is done by impulses between the beads, which conserve momentum.
     """
     system, rate = rests.system, y[rests.system.m : -2]
     left = (rests.solved @ system.row_velocity(y)) @ system.rows * system.chain.inverse_mass
@@ -438,12 +463,12 @@ def _stop(rests: Phase, y: Array) -> None:
 
 
 def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.int8]:
-    """Return (p,) the direction in which `resting` constraints move on: -1 or 1 if their multiplier is at a bound, 0 if
-    they stay at rest.
+    """Return for each constraint (p,) the direction in which it moves on.
 
-    Gauss's principle minimises |M^(-1/2) (push - B^T f)| over multipliers f inside their bounds. A constraint at its
-    smallest multiplier opens or turns back; one at its largest is compressed. Constraints that share no bead are solved
-    in separate groups, because their forces may differ by orders of magnitude.
+    The direction is -1 or 1 if the multiplier of a `resting` constraint is at a bound, and 0 if the constraint stays at
+    rest. Gauss's principle minimises |M^(-1/2) (push - B^T f)| over multipliers f inside their bounds. A constraint at
+    its smallest multiplier opens or turns back. A constraint at its largest multiplier is compressed. Constraints that
+    share no bead are solved in separate groups, because their forces may differ by orders of magnitude.
     """
     system, chosen = rests.system, np.zeros(resting.size, dtype=np.int8)
     root = np.sqrt(system.chain.inverse_mass)
@@ -461,7 +486,7 @@ def _moving(rests: Phase, time: float, y: Array, resting: Which) -> NDArray[np.i
         matrix = (root * system.rows[at] / size[:, None]).T
         moved = matrix.any(axis=1)
         scale = float(balanced[moved].max()) or 1.0
-        # Room for rounding errors, so that a multiplier at its bound stays there.
+        # Allow for rounding errors, so that a multiplier at its bound stays there.
         room = 0.5 * BALANCE_ROUND_OFF * (np.abs(matrix).T @ balanced) / scale + TINY
         bounds = low[at] * size / scale - room, high[at] * size / scale + room
         found = lsq_linear(matrix[moved], free[moved] / scale, bounds, "bvls", tol=1e-15, max_iter=10 * at.size)

@@ -1,8 +1,9 @@
-"""Reference method `scipy`: a separate right-hand side in NumPy, integrated by SciPy's `solve_ivp`, with every switch
-located.
+"""Reference method `scipy`. It integrates a separate right-hand side in NumPy by SciPy's `solve_ivp`, and locates every
+contact switch.
 
-It shares no kernel with the methods that it checks. Time is divided into phases in which no contact changes its mode. A
-phase ends at the located root of the first margin that reaches 0, and the next phase starts there with new modes.
+It does not use any kernel of the methods that it checks. Time is divided into phases in which no contact changes its
+mode. A margin measures the distance of a constraint from its next switch. A phase ends at the time when the first
+margin reaches 0. The next phase starts at this time with new modes.
 """
 
 from __future__ import annotations
@@ -32,23 +33,27 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-EVALUATIONS_A_STEP = 3  # Number of evaluations that count as one step if the number of steps is limited.
+EVALUATIONS_A_STEP = 3  # Number of evaluations that count as one step if the number of steps of a run is limited.
 
-SMOOTH = "DOP853"  # Integrator if all exponents are >= 1. Such contacts are never stiff.
-STIFF = "Radau"  # Integrator if an exponent is below 1. Then the stiffness is unbounded.
-ROOT = 4e-15  # Error of a located switch, relative to a contact time. SciPy gives brentq a tolerance of 4 ulp of 1.
+SMOOTH = "DOP853"  # Integrator for chains whose exponents are all >= 1. Their contacts are never stiff.
+STIFF = "Radau"  # Integrator for chains with an exponent below 1. Their stiffness is unbounded.
+# Error of a located switch, as a fraction of a contact time. SciPy calls brentq with a tolerance of 4 ulp of 1.
+ROOT = 4e-15
 # Fractions of a step at which margins are checked. SciPy itself checks them only at the end of a step.
 LOOKS = np.linspace(0.0, 1.0, 8, endpoint=False)
-# Nodes and weights on [-1, 1]. The quadrature has the order of the dense solution.
+# Nodes and weights of the quadrature on [-1, 1]. It has the same order as the dense solution.
 GAUSS = np.polynomial.legendre.leggauss(7)
-QUIET = np.errstate(under="ignore")  # Powers of overlaps close to 0 underflow.
-MOST_PHASES = 20_000  # Largest number of phases of a run. In a run with more, the contacts chatter.
-MOST_IN_PLACE = 50  # Largest number of switches at one time. A longer sequence would not end.
+QUIET = np.errstate(under="ignore")  # Underflow of powers of overlaps close to 0 is not an error.
+MOST_PHASES = 20_000  # Largest number of phases of a run. If a run has more phases, its contacts chatter.
+MOST_IN_PLACE = 50  # Largest number of switches at the same time. A longer sequence would never end.
 
 
 @dataclass
 class _Segment:
-    """Solved phase: its interval, its modes, and the dense solution in time units of `scale` [s] from `start` on."""
+    """Solution of one phase: its interval, its modes, and the dense solution.
+
+    The time of the dense solution starts at `start` [s] and has the unit `scale` [s].
+    """
 
     start: float
     end: float
@@ -62,7 +67,7 @@ class _Segment:
 
 
 class _Run:
-    """Sequence of phases from a start state, with the data for samples and switches."""
+    """Sequence of phases from a start state, with the data needed for samples and contact switches."""
 
     def __init__(self, problem: Problem, duration: float | None) -> None:
         chain, state = problem.chain, problem.state
@@ -85,7 +90,10 @@ class _Run:
         self._note(self._on_joints(self._carries()))
 
     def until(self, end: float) -> None:
-        """Integrate to `end` [s]. If `end` is infinite, stop when all contacts are open for good or nothing moves."""
+        """Integrate to the time `end` [s].
+
+        If `end` is infinite, stop when all contacts stay open forever, or when nothing moves.
+        """
         try:
             while self.time < end and not self.status.gave_up:
                 if self.time >= self.phase.span.end:
@@ -95,7 +103,7 @@ class _Run:
                 if np.isinf(end) and self._is_over():
                     self.status = Status.SEPARATED
                     break
-                # A switch at the start of a phase gives it the length of ROOT, plus round-off.
+                # A switch at the start of a phase makes the phase as short as ROOT, plus round-off.
                 chatters = [one.end - one.start <= 2.0 * ROOT * self.scale for one in self.segments[-MOST_IN_PLACE:]]
                 if (
                     len(self.segments) >= min(MOST_PHASES, self.system.most_evaluations)
@@ -116,8 +124,10 @@ class _Run:
         self.warnings = (CodedWarning(WarningCode.GAVE_UP, sentence, {"time": self.time}),)
 
     def _is_over(self) -> bool:
-        """Return True if nothing moves or is pushed, or if no contact pushes or ever will, including while beads slide
-        to rest.
+        """Return True if the motion is over.
+
+        This is the case if nothing moves and no force acts. It is also the case if no contact pushes now or later, even
+        while beads slide to rest.
         """
         system, phase = self.system, self.phase
         if np.isfinite(phase.span.end):
@@ -134,9 +144,10 @@ class _Run:
         return not (system.push(self.time, phase.span).any() or self._slide_together())
 
     def _slide_together(self) -> bool:
-        """Return True if two beads meet on the bed before they have slid to rest.
+        """Return True if two beads on the bed will meet before they have slid to rest.
 
-        Overlaps are checked at the times at which a bead comes to rest and at which two neighbours have equal speeds.
+        The overlaps are checked at the times when a bead comes to rest, and at the times when two neighbours have equal
+        speeds.
         """
         system, velocity = self.system, self.system.velocity(self.y)
         brake = system.brake(self.time, self.phase.span) * self.chain.inverse_mass
@@ -169,12 +180,12 @@ class _Run:
 
         margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
         stiff = system.laws.stiff
-        # Integrate in units of the contact time, because SciPy's tolerances of time are absolute.
+        # Integrate in units of the contact time, because SciPy's tolerance of event times is absolute.
         found = solve_ivp(
             slope, (0.0, (end - start) / scale), self.y, STIFF if stiff else SMOOTH, events=margin,
             rtol=system.relative, atol=system.absolute, dense_output=True, **({"jac": jacobian} if stiff else {}),
         )  # fmt: skip
-        if found.t.size == 1:  # The integrator did not finish a single step, so there is no dense solution.
+        if found.t.size == 1:  # The integrator did not finish any step, so there is no dense solution.
             self._give_up(Status.FAILED, f"scipy failed at t = {start:.6g} s: {found.message}")
             return
         self.steps += found.t.size - 1
@@ -182,7 +193,7 @@ class _Run:
         earlier = self._passed(found.sol, found.t)
         if earlier is not None:
             elapsed, met = earlier, True
-        # Go past the root by its error, so that the margin is no longer positive there.
+        # Advance beyond the root by its error. The margin is then no longer positive.
         elapsed += ROOT if met else 0.0
         now = start + elapsed * scale if met or found.status < 0 else end
         ends = np.append(found.t[found.t < elapsed], elapsed)
@@ -197,8 +208,9 @@ class _Run:
             self._give_up(Status.FAILED, f"scipy failed at t = {self.time:.6g} s: {found.message}")
 
     def _passed(self, solution: Any, steps: Array) -> float | None:
-        """Return the first time, in units of the scale, at which a margin is negative inside a step although it is
-        positive at its ends.
+        """Return the first time at which a margin is negative inside a step, in units of the scale.
+
+        Only margins that are positive at both ends of the step are searched.
         """
         phase, start, scale = self.phase, self.time, self.scale
 
@@ -221,10 +233,10 @@ class _Run:
         return _root(least, times[past[0] - 1], times[past[0]]) if past.size else None
 
     def _note_closings(self, times: Array, states: Array) -> None:
-        """Log the contacts that closed in a phase with `states` (T, m+n+2) at `times`. A contact that only rested at 0
-        did not close.
+        """Log the contacts that closed during a phase. `states` (T, m+n+2) are the states at `times`.
 
-        A touching contact may carry no force at both ends of a phase, while in between its neighbour loads and unloads.
+        A contact that only rested at overlap 0 did not close. A touching contact may be without force at both ends of a
+        phase and still push in between, while its neighbour loads and unloads.
         """
         pressed: NDArray[np.bool_] = np.logical_or.reduce(self.phase.carries(times, states))
         self._note(self._on_joints(pressed) & ~self.closed)
@@ -237,7 +249,7 @@ class _Run:
         return self.phase.carries(self.time, self.y)
 
     def _on_joints(self, contacts: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Return (n,) True for each joint with at least one of the marked contacts (m,)."""
+        """Return True for each joint (n,) with at least one contact side marked in `contacts` (m,)."""
         found = np.zeros(self.system.n, dtype=bool)
         found[self.system.laws.joint[contacts]] = True
         return found
@@ -247,7 +259,7 @@ class _Run:
         self.closed ^= changed
 
     def samples(self, times: Array) -> dict[str, Array]:
-        """Return the rows of samples at `times` (T,)."""
+        """Return the arrays of samples at `times` (T,), by name."""
         system, m = self.system, self.system.m
         states, forces = np.empty((times.size, self.y.size)), np.empty((times.size, system.rows.shape[0]))
         states[:], forces[:] = self.y, self.phase.force(self.time, self.y)
@@ -272,8 +284,9 @@ class _Run:
         return State(self.time, **{name: rows[name][0] for name in MOVING}, coupled=coupled)
 
     def taken_at(self, times: Array) -> Array:
-        """Return the (T, 4) absorbed energies and work of forces over time [J] up to `times`, in the order of
-        `State.taken`.
+        """Return the (T, 4) dissipated energies and the work of forces over time [J] up to `times`.
+
+        The columns are in the order of `State.taken`.
         """
         found, total = np.tile(self.taken, (times.size, 1)), self.taken.copy()
         if not (self.chain.dissipative or self.chain.forces):
@@ -284,8 +297,9 @@ class _Run:
         return found
 
     def _taken_in(self, segment: _Segment, times: Array, before: Array) -> tuple[Array, Array]:
-        """Return the (T, 4) energies up to `times` inside a segment, by Gauss quadrature in every step, and those at
-        its end.
+        """Return the (T, 4) energies up to `times` inside a segment, and the energies at the end of the segment.
+
+        They are computed by Gauss quadrature in every step. `before` are the energies at the start of the segment.
         """
         system, phase = self.system, segment.phase
         # Steps of the integrator and sample times divide the segment into smooth pieces.
@@ -301,7 +315,7 @@ class _Run:
         given = np.tile(before, (edges.size, 1))
         for column, power in ((1, braked), (2, pushed)):
             given[1:, column] += np.cumsum(0.5 * length[:, 0] * (power.reshape(length.size, -1) @ GAUSS[1]))
-        # Unloading contacts with loss absorb a share of the stored energy that they release.
+        # Unloading contacts with loss dissipate a fraction of the stored energy that they release.
         back = phase.mode[: system.m] == RELEASED
         if back.any():
             stored = (back * system.laws.dissipable(segment.at(edges)[:, : system.m])).sum(axis=1)
@@ -310,8 +324,9 @@ class _Run:
 
 
 def _root(falling: Callable[[float], float], low: float, high: float) -> float:
-    """Return the point between `low` and `high` at which a function falls below 0, or an end if rounding errors hide
-    the root.
+    """Return the point between `low` and `high` at which a function falls below 0.
+
+    If rounding errors hide the root, return `low` or `high`.
     """
     if falling(low) <= 0.0:
         return low
@@ -326,7 +341,7 @@ def run(problem: Problem) -> Record:
     solved.until(problem.end)
     times, switches = problem.sample_times(solved.time), Switches.of(solved.switches)
     status, warnings = solved.status, solved.warnings
-    if times.size and times[-1] > solved.time and not warnings:  # Samples are wanted after the end of the motion.
+    if times.size and times[-1] > solved.time and not warnings:  # Some samples lie after the end of the motion.
         solved.until(float(times[-1]))
     samples = empty_samples(NO_TIMES, problem.chain.contacts)._replace(**solved.samples(times))
     end, steps, evaluations = solved.end(), solved.steps, solved.system.evaluations
@@ -337,7 +352,8 @@ def run(problem: Problem) -> Record:
 def advance(problem: Problem) -> Status:
     """Advance ``problem.state`` by the duration, in place."""
     state = problem.state
-    solved = _Run(problem, None)  # The duration is None because the length of a frame is not a scale of the motion.
+    # The duration is None because the length of a frame is unrelated to the time scale of the motion.
+    solved = _Run(problem, None)
     solved.closed = state.closed
     solved.until(problem.end)
     end = solved.end()
