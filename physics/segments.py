@@ -1,14 +1,16 @@
-"""Segments, the pieces of the monotone graph of a contact, and contacts that are defined by a table of segments.
+"""Segments and contacts that are defined by a table of segments.
 
-Each segment extends from its origin outward: to the right if it pushes (side 1), to the left if it pulls (side -1).
-With the displacement x = side (d - origin) >= 0 and y = x + before, the force is
+The force graph of a contact is a monotone curve of the force f over the overlap d. A segment is one piece of this
+curve. Each segment extends from its origin outwards: to the right if it pushes (side 1), to the left if it pulls (side
+-1). With the displacement x = side (d - origin) >= 0 and y = x + before, the force is
 
     loading      f = side (F + K y**a + S x)
     unloading    f = side ((1 - l) (F + K y**a) + S x)
 
-up to x = length, where the next segment begins. If a gear continues from one segment to the next, `before` is its
-displacement at the origin, and a stop of stiffness S without loss is added. A user-defined contact law has a table of
-polynomials instead of the power law.
+up to x = length. The next segment begins at this displacement. F is the preload, K the stiffness, a the exponent and l
+the loss of a gear. If the same gear acts on several segments, `before` is its displacement at the origin of the
+segment. S is the stiffness of an additional stop without loss. A user-defined contact law has a table of polynomials
+instead of the power law.
 """
 
 from __future__ import annotations
@@ -27,20 +29,21 @@ from softcradle.physics.messages import InputError
 
 Array = NDArray[np.float64]
 
-# Fraction of a force. A smaller decrease from one segment to the next is round-off of the numbers that define them.
+# Relative decrease of the force from one segment to the next that is still accepted. It is round-off of the numbers
+# that define the segments.
 CONTINUOUS = 1e-9
 
 
 class Segment(NamedTuple):
-    """One piece of the graph of a contact.
+    """One piece of the force graph of a contact.
 
     Attributes:
         side: 1.0 if it pushes, -1.0 if it pulls.
         origin: overlap [m] at which it begins.
         preload, stiffness, exponent: F [N], K [N/m**a] and a of its power law.
         loss: fraction l of the energy of the power law that it dissipates during unloading.
-        length: displacement [m] at which the next segment begins; inf for the last one.
-        before: displacement [m] of the power law at the origin.
+        length: displacement [m] at which the next segment begins. It is infinite for the last segment.
+        before: displacement [m] that the power law already has at the origin.
         stop: stiffness S [N/m] of an additional spring without loss.
         table: polynomials that replace the power law, or None.
         table_from: displacement [m] below which the power law replaces the table.
@@ -60,7 +63,7 @@ class Segment(NamedTuple):
 
     @property
     def is_whole_law(self) -> bool:
-        """True if this segment by itself is a contact that only pushes, from overlap 0 on."""
+        """True if this segment alone is a contact that only pushes, starting at overlap 0."""
         return self.side > 0.0 and self.origin == self.before == self.stop == 0.0 and self.length == math.inf
 
     @property
@@ -69,16 +72,19 @@ class Segment(NamedTuple):
         return self.origin + self.side * self.length
 
     def force_at(self, x: ArrayLike, unloading: bool = False) -> Array:
-        """Return the force [N] at the displacement `x` >= 0 [m], without the sign of the side; at 0 the limit from the right."""
+        """Return the absolute force [N] at the displacement `x` >= 0 [m].
+
+        At 0 it is the limit from the right.
+        """
         way = np.asarray(x, dtype=np.float64)
         law = self.preload + self.stiffness * (way + self.before) ** self.exponent
         found: Array = (1.0 - self.loss if unloading else 1.0) * law + self.stop * way
         return found
 
     def energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array:
-        """Return the energy [J] that this segment stores between its origin and `overlap` [m], at most its end.
+        """Return the energy [J] that this segment stores between its origin and `overlap` [m].
 
-        `power` is the function that computes powers.
+        Overlaps beyond the end of the segment count as its end. `power` is the function that computes powers.
         """
         x = np.clip(self.side * (np.asarray(overlap, dtype=np.float64) - self.origin), 0.0, self.length)
         p = 1.0 + self.exponent
@@ -88,44 +94,47 @@ class Segment(NamedTuple):
 
 
 class PiecewiseContact:
-    """A contact defined by a table of segments. A subclass defines `segments`; all methods except pymunk support it.
+    """A contact defined by a table of segments. A subclass defines `segments`. All methods except pymunk support it.
 
-    The segments are listed from left to right: first the pulling ones, then the pushing ones, of which the first begins
-    at overlap 0. Each segment begins at the end of its inner neighbour, and the force never decreases with the overlap.
+    The segments are listed from left to right: first the pulling ones, then the pushing ones. The first pushing segment
+    begins at overlap 0. Each other segment begins at the end of its inner neighbour. The force never decreases with the
+    overlap.
     """
 
-    # True if the contact is coupled at the start, so that it pulls. None: coupled unless the gap is larger than the
-    # slack.
+    # True if the contact is coupled at the start, so that it can pull. None means that it is coupled unless the gap is
+    # larger than the slack.
     coupled: bool | None = None
 
     @property
     def name(self) -> str:
-        """Name in tables and pictures: the name of the class."""
+        """Name of the contact in tables and pictures: the name of its class."""
         return type(self).__name__
 
     @property
     def segments(self) -> Sequence[Segment]:
-        """The segments of the graph from left to right."""
+        """Segments of the force graph, from left to right."""
         raise NotImplementedError(f"class {type(self).__name__} must define segments, the pieces of its graph")
 
     @cached_property
     def pushing(self) -> tuple[Segment, ...]:
-        """The pushing segments, from overlap 0 outward."""
+        """Pushing segments, from overlap 0 outwards."""
         return tuple(segment for segment in self.segments if segment.side > 0.0)
 
     @cached_property
     def pulling(self) -> tuple[Segment, ...]:
-        """The pulling segments, from the end of the slack outward."""
+        """Pulling segments, from the end of the slack outwards."""
         return tuple(segment for segment in self.segments if segment.side < 0.0)[::-1]
 
     @property
     def pulls_below(self) -> float:
-        """Overlap [m] below which the contact pulls; -inf if it never pulls."""
+        """Overlap [m] below which the contact pulls. It is -inf if the contact never pulls."""
         return self.pulling[0].origin if self.pulling else -math.inf
 
     @property
     def smooth(self) -> bool:
-        """True if each segment that pulls, or that is one of several on its side, has an exponent of at least 1."""
+        """True if certain segments have exponents of at least 1: all pulling ones, and all on a side with several
+        segments.
+        """
         return all(
             segment.exponent >= 1.0
             for side in (self.pushing[1:] and self.pushing, self.pulling)
@@ -139,18 +148,18 @@ class PiecewiseContact:
 
     @property
     def loss(self) -> float:
-        """The largest loss of its segments."""
+        """Largest loss of all segments."""
         return max(segment.loss for segment in self.segments)
 
     @property
     def stop_stiffness(self) -> float:
-        """Largest stiffness [N/m] at the origins of outer segments; 0 without outer segments."""
+        """Largest stiffness [N/m] of the outer segments at their origins. It is 0 without outer segments."""
         return max(
             (_stiffness_at_origin(one) for side in (self.pushing, self.pulling) for one in side[1:]), default=0.0
         )
 
     def starts_coupled(self, overlap: float) -> bool:
-        """Return True if the contact is coupled at the start, at `overlap` [m]. Beads that touch are coupled."""
+        """Return True if the contact is coupled at the start, at `overlap` [m]. Beads that touch are always coupled."""
         return overlap >= 0.0 or (overlap >= self.pulls_below if self.coupled is None else self.coupled)
 
     @overload
@@ -159,18 +168,19 @@ class PiecewiseContact:
     def force(self, overlap: ArrayLike) -> Array: ...
 
     def force(self, overlap: ArrayLike) -> Array | float:
-        """Return the force [N] at `overlap` [m], any shape, during loading; negative if the contact pulls."""
+        """Return the force [N] at `overlap` [m] during loading, any shape. It is negative if the contact pulls."""
         return self._force(overlap, unloading=False)
 
     def released(self, overlap: ArrayLike) -> Array | float:
-        """Return the force [N] at `overlap` [m], any shape, during unloading."""
+        """Return the force [N] at `overlap` [m] during unloading, any shape."""
         return self._force(overlap, unloading=True)
 
     def _force(self, overlap: ArrayLike, unloading: bool) -> Array | float:
         overlaps = np.asarray(overlap, dtype=np.float64)
-        # the slack between the first pushing and the first pulling segment has force 0
+        # The force is 0 in the slack between the first pushing and the first pulling segment.
         found = np.zeros(overlaps.shape)
-        for segment in (*self.pushing, *self.pulling):  # outward, so that the outermost segment determines the force
+        # The order is outwards, so the outermost segment determines the force.
+        for segment in (*self.pushing, *self.pulling):
             x = segment.side * (overlaps - segment.origin)
             found = np.where(x > 0.0, segment.side * segment.force_at(np.maximum(x, 0.0), unloading), found)
         return _like(overlap, found + 0.0)
@@ -187,34 +197,37 @@ class PiecewiseContact:
     def stored_energy(self, overlap: ArrayLike, power: Callable[..., Any] = np.power) -> Array | float:
         """Return the stored energy [J] at `overlap` [m], any shape.
 
-        `power` computes powers, as in :func:`softcradle.physics.contact.stored_energy`.
+        `power` is the function that computes powers, as in :func:`softcradle.physics.contact.stored_energy`.
         """
         return _like(overlap, sum(segment.energy(overlap, power) for segment in self.segments))
 
 
 @dataclass(frozen=True)
 class SegmentTable(PiecewiseContact):
-    """A contact defined by the rows of its table; see :class:`PiecewiseContact`."""
+    """A contact defined by a list of segments, see :class:`PiecewiseContact`."""
 
     rows: tuple[Segment, ...]
     coupled: bool | None = None
 
     @property
     def segments(self) -> tuple[Segment, ...]:
-        """The rows of the table."""
+        """Segments of the contact, as given."""
         return self.rows
 
 
 def require_graph(what: str, contact: PiecewiseContact) -> None:
-    """Raise ValueError if the segments of `contact` do not form one monotone graph; `what` names the contact in the message."""
-    # order of the segments
+    """Raise ValueError if the segments of `contact` do not form one monotone graph.
+
+    `what` names the contact in the error message.
+    """
+    # Check the order of the segments.
     if not contact.pushing or contact.pushing[0].origin != 0.0:
         raise InputError("no_push", "{what} must have a segment that pushes from overlap 0 on", what=what)
     if list(contact.segments) != [*contact.pulling[::-1], *contact.pushing]:
         raise InputError(
             "segment_order", "{what} must have its segments from left to right, pulling segments first", what=what
         )
-    # each side must be continuous, its force must not decrease, and it must extend to infinity
+    # Each side must be continuous and extend to infinity. Its force must not decrease.
     for side in (contact.pushing, contact.pulling):
         for inner, outer in pairwise(side):
             if not math.isclose(inner.end, outer.origin, rel_tol=CONTINUOUS):
@@ -242,7 +255,7 @@ def require_graph(what: str, contact: PiecewiseContact) -> None:
                 what=what,
                 given=side[-1].length,
             )
-    # restrictions of single segments
+    # Check the values of single segments.
     for segment in contact.segments:
         if segment.table is not None and not (segment.is_whole_law and len(contact.segments) == 1 and not segment.loss):
             raise InputError(
@@ -259,7 +272,8 @@ def require_graph(what: str, contact: PiecewiseContact) -> None:
 
 def _stiffness_at_origin(segment: Segment) -> float:
     """Return the slope df/dd [N/m] of a segment at its origin; 0 if it is infinite there."""
-    # slope of the power law: K for a = 1, infinite (returned as 0) for a < 1 at the origin of the law
+    # The slope of the power law is K for a = 1. For a < 1 it is infinite at the origin of the law, which is returned as
+    # 0.
     y, a = segment.before, segment.exponent
     by_law = segment.stiffness if a == 1.0 else a * segment.stiffness * y ** (a - 1.0) if y else 0.0
     return by_law + segment.stop

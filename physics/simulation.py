@@ -1,4 +1,4 @@
-"""`simulate` and `advance`: from a chain and its start to a Trajectory, or to the state a moment later."""
+"""`simulate` and `advance`: compute the whole Trajectory of a chain from its start, or the state a moment later."""
 
 from __future__ import annotations
 
@@ -34,12 +34,13 @@ HUNG = Message("hung", "beads on strings swing forever: give a duration")
 PULLED = Message("pulled", "a chain whose couplers pull never comes apart: give a duration")
 NO_AUTO = Message("no_auto", "advance takes the name of a method; 'auto' is for simulate, which knows the whole motion")
 LEAST_TOLERANCE = 1e-16  # Smallest tolerance. A smaller error is not distinguishable from round-off.
-# Smallest sample time other than 0 [s]. Overlaps at earlier times underflow, because they are products of such times.
+# Smallest sample time [s] other than 0. Products of smaller times underflow, so their overlaps would be 0.
 LEAST_TIME = 1e-100
-# Largest number of samples times beads, about 3 GB: 1001 samples of the longest lane. More would not fit in memory.
+# Largest number of samples times beads. They take about 3 GB, and suffice for 1001 samples of the longest lane of a
+# scene.
 MOST_SAMPLED = 100_100_000
-FALLBACK_METHOD = "conserving"  # Method that finishes a frame if an adaptive method gives up
-FALLBACK_STEPS = 100  # Number of steps of FALLBACK_METHOD for the rest of the frame
+FALLBACK_METHOD = "conserving"  # Method that finishes a frame after an adaptive method has given up
+FALLBACK_STEPS = 100  # Number of steps of FALLBACK_METHOD in the rest of the frame
 
 
 def simulate(
@@ -59,16 +60,17 @@ def simulate(
     velocity : array_like, shape (n+1,)
         Start velocities [m/s].
     duration : float, optional
-        Time to run [s]. None runs until every contact is open and none can close again (on a bed: none before the beads
-        have slid to rest), or until all beads rest. A chain with a permanent force needs a duration, and so do beads
-        on strings and beads on a bed to which a wall moves.
+        Time to run [s]. None means that the run ends when every contact is open and none can close again, or when
+        all beads rest. On a bed, it is sufficient that no contact closes before the beads have slid to rest. Some
+        chains need a duration: chains with a permanent force, chains on strings, and chains on a bed towards which
+        a wall moves.
     method : str, optional
-        A name from METHODS, or "auto": a method and its step or tolerance such that this chain is computed with an
-        error of `tolerance`. The rule is the same on every machine; the Trajectory contains the choice and its reason.
-        Explicit methods (euler, verlet, yoshida4, pymunk) use f = 0 at overlap 0, so a contact with preload that should
-        rest there chatters.
+        A name from METHODS, or "auto". With "auto", the method and its step or tolerance are chosen for an error of
+        `tolerance` on this chain. The choice is the same on every machine, and the Trajectory contains its reason.
+        Explicit methods (euler, verlet, yoshida4, pymunk) use f = 0 at overlap 0. With them, a contact with preload
+        that should rest at overlap 0 chatters.
     step : float, optional
-        Step [s] of a fixed-step method; None means a thousandth of the shortest contact.
+        Step [s] of a fixed-step method. None means a thousandth of the shortest contact time.
     samples : int or array_like, optional
         Number of evenly spaced samples from start to end, or their times (T,) [s], ascending.
     tolerance : float, optional
@@ -82,8 +84,8 @@ def simulate(
     Raises
     ------
     ValueError
-        If a value is out of range, or if duration is None for a chain that may never come apart (two walls, a drive, a
-        piston on a bed).
+        If a value is out of range, or if duration is None for a chain that may never separate. Examples are chains
+        with two walls, with a drive, or on a bed with a moving wall.
 
     Examples
     --------
@@ -107,16 +109,16 @@ def solve(
     tolerance: float = 1e-8,
     most_steps: int | None = None,
 ) -> Trajectory:
-    """Simulate as :func:`simulate` does, with warnings on the Trajectory only, because Python warnings are not
-    thread-safe.
+    """Simulate as :func:`simulate` does, but store warnings only on the Trajectory.
 
-    After `most_steps` the method gives up, and its end is not confirmed; None means no limit.
+    Python warnings are not thread-safe, so threads should call this function. After `most_steps` steps the method gives
+    up, and the end of the motion is not confirmed. None means no limit.
     """
     if method == AUTO:
         require_kind("chain", chain, Chain)
         _refuse(refusal_of(AUTO, chain))
         _refuse(refusal_of_fineness(AUTO, step, None))
-        # raises ValueError for values out of range
+        # This call raises ValueError for values out of range.
         _problem(chain, velocity, duration, find_method("accurate"), None, samples, tolerance)
         # Choose a method for this chain, and run it.
         auto = choose(chain, velocity, duration, tolerance)
@@ -126,15 +128,15 @@ def solve(
     problem = _problem(chain, velocity, duration, chosen, step, samples, tolerance)
     if most_steps is not None:
         problem = replace(problem, most_steps=most_steps)
-    runner = runner_of(method)  # a first call may import a library, which does not count as computing time
+    runner = runner_of(method)  # The first call may import a library. The import time does not count as computing time.
     began = perf_counter()
     record = runner.run(problem)
     record.seconds = record.seconds or perf_counter() - began
-    # Warnings that depend on the chain, the method and the step, after those of the runner.
+    # Append the warnings that depend on the chain, the method and the step. The warnings of the runner come first.
     record.warnings += unusual_warnings(chain, velocity, problem.tolerance)
     if not chosen.set_valued:
         record.warnings += explicit_warnings(problem, record)
-    elif step is not None:  # a default step is never too coarse
+    elif step is not None:  # The default step is never too coarse.
         record.warnings += coarse_warnings(problem)
     if problem.step and not any(warning.code is WarningCode.CHATTER for warning in record.warnings):
         record.warnings += returning_warnings(problem, record)
@@ -150,14 +152,14 @@ def advance(
     tolerance: float = 1e-8,
     most_steps: int = MOST_STEPS,
 ) -> None:
-    """Move `state` forward by `duration` [s] in place, for live use; fixed-step kernels allocate no memory.
+    """Move `state` forward by `duration` [s] in place, for live use. Fixed-step kernels do not allocate memory.
 
     Arguments are as in :func:`simulate`. ``state.push`` (n+1,) [N] acts on the beads for the whole duration, in
-    addition to the drive of the chain. A duration that is not a whole number of steps ends with a shorter step. If an
-    adaptive method has not reached the end after `most_steps` (chattering contacts), `conserving` continues to it; a
-    Python warning, ``state.status`` and ``state.warnings`` report this. ``state.velocity_error`` [m/s] is the estimated
-    error of the velocities since the start; a warning reports an estimate above the guarantee, ten times the
-    `tolerance` relative to the closing speed.
+    addition to the drive of the chain. If the duration is not a whole number of steps, the last step is shorter. If
+    contacts chatter, an adaptive method may not reach the end within `most_steps` steps. The method `conserving` then
+    continues to the end. A Python warning, ``state.status`` and ``state.warnings`` report this.
+    ``state.velocity_error`` [m/s] is the estimated error of the velocities since the start. The guaranteed error is ten
+    times the `tolerance`, relative to the closing speed. A warning is issued if the estimate is larger.
     """
     move(chain, state, duration, method, step, tolerance, most_steps)
     for warning in state.warnings:
@@ -167,7 +169,7 @@ def advance(
 def move(
     chain: Chain, state: State, duration: float, method: str, step: float | None, tolerance: float, most_steps: int
 ) -> None:
-    """Move `state` as :func:`advance` does, with warnings in ``state.warnings`` only."""
+    """Move `state` as :func:`advance` does, but store warnings only in ``state.warnings``."""
     require_kind("chain", chain, Chain)
     require_kind("state", state, State)
     if len(state.overlap) != chain.contacts:
@@ -190,13 +192,13 @@ def move(
     problem = Problem(chain, state, method, duration, length, fineness, most_steps=most_steps)
     end = problem.end
     state.warnings, state.switched = (), NO_SWITCHES
-    # The impulse of forces over time is an integral known in advance.
+    # The impulse of time-dependent forces is an integral that does not depend on the motion.
     before = chain.impulse(state.time)
     # Other methods do not estimate their error.
     if chosen.family is not Family.ADAPTIVE:
         state.velocity_error = math.nan
     state.status = runner_of(method).advance(problem)
-    # The frame must reach its end: `conserving` moves on, and the error is unknown.
+    # The frame must reach its end. The method `conserving` continues, and the error is then unknown.
     if state.status.gave_up:
         state.warnings = (_gave_up(method, state.time, most_steps),)
         state.velocity_error = math.nan
@@ -206,8 +208,9 @@ def move(
 
 @cache
 def runner_of(method: str) -> Runner:
-    """Return the runner of `method`. It is imported on first use, because numba, pymunk and SciPy load with their
-    runners.
+    """Return the runner of `method`.
+
+    A runner is imported on first use, because it loads numba, pymunk or SciPy.
     """
     match find_method(method).family:
         case Family.FIXED_STEP:
@@ -252,7 +255,7 @@ def _refuse(reason: str) -> None:
 
 
 def checked_tolerance(tolerance: float) -> float:
-    """Return the tolerance as a float. Raise ValueError if a method cannot hold it."""
+    """Return the tolerance as a float. Raise ValueError if no method can satisfy it."""
     found = magnitude("tolerance", tolerance)
     if found < LEAST_TOLERANCE:
         raise InputError(
@@ -266,7 +269,10 @@ def checked_tolerance(tolerance: float) -> float:
 
 
 def endless(chain: Chain, velocity: ArrayLike) -> str:
-    """Return the reason why a run of the chain may never end by itself; an empty string if it ends."""
+    """Return the reason why a run of the chain may never end without a duration.
+
+    Return an empty string if the run ends.
+    """
     if chain.walls > 1:
         return TWO_WALLS
     if chain.swing:
@@ -279,8 +285,9 @@ def endless(chain: Chain, velocity: ArrayLike) -> str:
 
 
 def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> NDArray[np.bool_]:
-    """Return (...) whether a wall moves towards beads of `mass` (..., n+1) on a bed. These may stay in contact with it
-    forever.
+    """Return True (...) if a wall moves towards beads of `mass` (..., n+1) on a bed.
+
+    The beads may then stay in contact with the wall forever.
     """
     walls, speeds = np.isinf(np.asarray(mass)), np.asarray(velocity)
     ahead = (walls & (speeds > 0.0))[..., :-1].any(axis=-1) | (walls & (speeds < 0.0))[..., 1:].any(axis=-1)
@@ -290,8 +297,9 @@ def pushes_on_a_bed(mass: ArrayLike, on_bed: ArrayLike, velocity: ArrayLike) -> 
 def _step(
     chain: Chain, state: State, method: Method, step: float | None, duration: float | None = None, whole: bool = False
 ) -> float:
-    """Return the step [s] of a fixed-step method, 0 for an adaptive one. `whole` is true if `state` is the start of the
-    chain.
+    """Return the step [s] of a fixed-step method, or 0 for an adaptive method.
+
+    `whole` is True if `state` is the start of the chain.
     """
     if step is not None:
         length = magnitude("step", step)
@@ -300,7 +308,7 @@ def _step(
     if method.adaptive:
         return 0.0
     speeds = state.velocity(chain)
-    if chain.swing and not whole:  # at a turning point the velocities show nothing of the closing speed
+    if chain.swing and not whole:  # At a turning point of the swinging, the velocities do not show the closing speed.
         speeds = np.array((0.0, swinging_speed(chain, speeds, state.overlap)))
     return default_step(chain, speeds, duration, whole and method.set_valued)
 
@@ -346,15 +354,15 @@ def _samples(samples: int | ArrayLike, duration: float | None, chain: Chain, gra
                 given=shown(samples),
             )
         return count
-    # A list of sample times.
+    # Copy a list of sample times.
     times = number_array("samples", samples).copy()
     listed = Message("sample_times", "sample times must be a list of 1 to {most} times", most=most)
     _require(times.ndim == 1 and 0 < times.size <= most, listed)
     ascending = Message("sample_order", "sample times must be >= 0 and ascending")
     _require((np.diff(times) >= 0.0).all() and times[0] >= 0.0, ascending)
-    # Raise ValueError for times beyond the range of floats that can be computed with.
+    # Raise ValueError if a time is too large for the computation.
     magnitude(N_("sample times"), max(times[-1], 1.0))
-    # adaptive steps resolve an onset down to the first sample
+    # Adaptive steps resolve the start of a motion down to the first sample.
     least = float(times[times > 0.0].min(initial=np.inf))
     underflow = Message(
         "early_sample",
@@ -398,11 +406,14 @@ def _trajectory(problem: Problem, record: Record) -> Trajectory:
 
 
 def _intervals(contacts: int, record: Record) -> tuple[tuple[Interval, ...], ...]:
-    """Pair the switches of each contact into intervals (closed, opened); opened is inf if the contact never opens."""
+    """Combine the switches of each contact into intervals (closed, opened).
+
+    The second time is infinite if the contact never opens.
+    """
     found: list[list[Interval]] = [[] for _ in range(contacts)]
     for contact, time in zip(record.switch_contact.tolist(), record.switch_time.tolist(), strict=True):
         own = found[contact]
-        # The second switch of a pair closes the interval.
+        # Every second switch of a contact closes an interval.
         if own and own[-1][1] == math.inf:
             own[-1] = own[-1][0], time
         else:

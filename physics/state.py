@@ -1,5 +1,6 @@
-"""State of a chain: overlaps and their rates instead of positions, because deep overlaps are lost in differences of
-positions.
+"""State of a chain. It contains overlaps and their rates instead of positions.
+
+Differences of positions could not resolve the tiny overlaps deep inside a cluster.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ Array = NDArray[np.float64]
 
 
 class Switches(NamedTuple):
-    """Changes of contacts between open and closed: (S,) contacts and (S,) times [s], in order of time within each
-    contact.
+    """Changes of contacts between open and closed: S contacts (S,) and times (S,) [s].
+
+    The changes of each contact are in order of time.
     """
 
     contact: NDArray[np.int64]
@@ -35,12 +37,14 @@ class Switches(NamedTuple):
 
 
 NO_SWITCHES = Switches.of(())
-MOVING = "overlap", "rate", "anchor", "force", "taken"  # Arrays of a State that have one row for each sample
+# Names of the arrays of a State that have one row for each sample
+MOVING = "overlap", "rate", "anchor", "force", "taken"
 
 
 @dataclass
 class State:
-    """Time, overlaps, overlap rates and one anchor bead. All other positions and velocities are sums of these.
+    """State of a chain: time, overlaps, overlap rates, and the motion of one anchor bead. The positions and velocities
+    of all other beads are sums of these values.
 
     Attributes
     ----------
@@ -53,30 +57,32 @@ class State:
     anchor : ndarray, shape (2,)
         Position [m] and velocity [m/s] of bead ``chain.anchor``.
     force : ndarray, shape (n,)
-        Contact forces [N] of the last step. The overlap of a touching contact does not determine its force.
+        Contact forces [N] of the last step. They are stored because the overlap of a touching contact does not
+        determine its force.
     push : ndarray or None, shape (n+1,)
         External force on each bead [N] for the next `advance` (such as a spring to the pointer), or None. It is added
         to the drive of the chain.
     switches : int
         Number of closings and openings of contacts in all `advance` so far.
     switched : Switches
-        Closings and openings in the last `advance`, at most the first FRAME_LOG.
+        Closings and openings in the last `advance`, limited to the first FRAME_LOG of them.
     coupled : ndarray, shape (n,) or (0,)
-        Whether each contact has coupled; a coupler that has not coupled yet only pushes. Without rows if no contact has
-        several segments.
+        True for each contact that has coupled. A coupler that has not coupled yet only pushes. The array is empty
+        if no contact has several segments.
     taken : ndarray, shape (4,)
-        Array that contains `absorbed` and `given`.
+        Array that contains the values of `absorbed` and `given`.
     velocity_error : float
-        Estimated error [m/s] of the bead velocities, accumulated over all `advance` since the start, for the methods
-        accurate, radau and dop853. It grows by local errors, by round-off, and by the bounces of contacts, which
-        amplify errors. No finer run confirms it. NaN after an `advance` by another method, because other methods do not
-        estimate errors. A copy continues from the error at its time; set it to 0 to start again.
+        Estimated error [m/s] of the bead velocities, for the methods accurate, radau and dop853. It accumulates
+        over all calls of `advance` since the start. It grows by local errors, by round-off, and by bounces of
+        contacts, which amplify errors. It is not confirmed by a second run. After an `advance` by another method it
+        is NaN, because other methods do not estimate errors. A copy of the state continues from the error at its
+        time. Set it to 0 to start a new estimate.
     status : Status
-        How the last `advance` ended. If its method gave up, `conserving` continued to the end.
+        How the last `advance` ended. If its method gave up, the method `conserving` continued to the end.
     warnings : tuple of CodedWarning
         Problems of the last `advance`; empty without problems.
     work : dict
-        Scratch memory for internal use of the methods.
+        Scratch memory of the methods, for internal use.
     """
 
     time: float
@@ -96,8 +102,9 @@ class State:
 
     @classmethod
     def at_start(cls, chain: Chain, velocity: ArrayLike) -> State:
-        """Return the start of a scene: bead 0 at position 0, the gaps of the chain between neighbours, `velocity`
-        (n+1,) [m/s].
+        """Return the state of a chain at the start, with bead velocities `velocity` (n+1,) [m/s].
+
+        Bead 0 has the position 0. The distances between neighbours are the gaps of the chain.
         """
         require_kind("chain", chain, Chain)
         speeds = checked_velocity(chain, velocity)
@@ -114,16 +121,18 @@ class State:
 
     @property
     def given(self) -> Array:
-        """Work [J] and impulse [N s] of the forces over time of the chain so far, shape (2,)."""
+        """Work [J] and impulse [N s] of the time-dependent forces so far, shape (2,)."""
         return self.taken[2:]
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """Whether each contact is closed, shape (n,): it overlaps, or it touches and carries a force."""
+        """True for each closed contact, shape (n,). A contact is closed if it overlaps, or if it touches and carries a
+        force.
+        """
         return is_closed(self.overlap, self.force)
 
     def position(self, chain: Chain) -> Array:
-        """Return the (n+1,) positions [m] without the bead lengths: two beads that just touch have the same position."""
+        """Return the (n+1,) positions [m] without the bead lengths. Two beads that just touch have the same position."""
         return from_anchor(self.overlap, self.anchor[0], chain.anchor)
 
     def velocity(self, chain: Chain) -> Array:
@@ -133,27 +142,26 @@ class State:
     def energy(self, chain: Chain, velocity: Array | None = None) -> float:
         """Return the kinetic energy plus the energy of contacts and strings [J], without walls.
 
-        `velocity` (n+1,) are the bead velocities [m/s] if they are known already.
+        Pass the bead velocities `velocity` (n+1,) [m/s] if they have been computed already.
         """
         moves = self.velocity(chain) if velocity is None else velocity
         kinetic = 0.5 * (chain.finite_mass * moves**2).sum()
         if chain.swing:
             kinetic += hanging_energy(chain, self.overlap, self.anchor[0])
-        # At the start and the end of most motions all contacts are open.
+        # All contacts are open at the start and the end of most motions.
         if not chain.piecewise and all(overlap <= 0.0 for overlap in self.overlap.tolist()):
             return float(kinetic)
         return float(kinetic + chain.stored_energy(self.overlap, force=self.force).sum())
 
     def external(self, chain: Chain) -> Array | None:
-        """Return the (n+1,) steady external force on each bead [N], the drive of the chain plus `push`; None without
-        both.
+        """Return the (n+1,) steady external force on each bead [N]: the drive of the chain plus `push`.
 
-        The array is always writable: for a read-only array, which is of another type, every kernel would be compiled
-        again.
+        Return None without both. The array is always writable. numba treats a read-only array as another type, and
+        would compile every kernel again.
         """
         if chain.drive_force is None:
             return self.push
-        # A new array, because the drive of the chain is read-only.
+        # The sum is a new array, because the drive of the chain is read-only.
         return chain.drive_force + (0.0 if self.push is None else self.push)
 
     def copy(self) -> State:
@@ -165,15 +173,16 @@ class State:
         )  # fmt: skip
 
     def put_force(self, chain: Chain, contact: int) -> None:
-        """Set the force of a contact to that at its overlap, after its overlap or law was changed."""
+        """Set the force of a contact to the force of its law. Call it after the overlap or the law has changed."""
         overlap, law = float(self.overlap[contact]), chain.contact[contact]
         # A coupler that has not coupled yet does not pull.
         free = overlap < 0.0 and chain.has_segments and not coupled_of(chain, self)[contact]
         self.force[contact] = 0.0 if free else law.force(overlap)
 
     def note_switches(self, contact: ArrayLike, time: ArrayLike, count: int | None = None) -> None:
-        """Append switches to `switched`. `count` is their true number if the log did not have room for
-        all.
+        """Append switches to `switched`.
+
+        `count` is the actual number of switches if the log did not have room for all of them.
         """
         contact, time = np.array(contact, dtype=np.int64), np.array(time, dtype=np.float64)
         self.switches += contact.size if count is None else count
@@ -184,7 +193,9 @@ class State:
 
 @per_chain
 def start_of(chain: Chain) -> tuple[Array, float, Array, NDArray[np.int8]]:
-    """Return overlaps (n,) [m] at the start, position [m] of the anchor bead, contact forces (n,) [N], and coupled
+    """Return the values of a State at the start of the chain.
+
+    They are overlaps (n,) [m], the position [m] of the anchor bead, contact forces (n,) [N], and flags of coupled
     contacts.
     """
     force = np.zeros(chain.contacts)
@@ -204,24 +215,36 @@ def start_of(chain: Chain) -> tuple[Array, float, Array, NDArray[np.int8]]:
 
 @per_chain
 def rest_of(chain: Chain) -> tuple[Array, float]:
-    """Return the overlaps (n,) [m] of beads on strings at rest, and the position [m] of the anchor bead there: the start."""
+    """Return the overlaps (n,) [m] of beads on strings at rest, and the position [m] of the anchor bead.
+
+    The rest position is the start of the chain.
+    """
     overlap, place, _, _ = start_of(chain)
     return overlap, place
 
 
 def displacement(chain: Chain, overlap: Array, anchor: Any) -> Array:
-    """Return the displacements (..., n+1) [m] of beads on strings from rest, at overlaps (..., n) and anchor positions (...)."""
+    """Return the displacements (..., n+1) [m] of beads on strings from their positions at rest.
+
+    They follow from overlaps (..., n) and positions of the anchor bead (...).
+    """
     rest, place = rest_of(chain)
     return from_anchor(overlap - rest, np.asarray(anchor) - place, chain.anchor)
 
 
 def hanging_energy(chain: Chain, overlap: Array, anchor: Any) -> Any:
-    """Return the energy (...) [J] of beads on strings at overlaps (..., n) and anchor positions (...) [m]; 0 without strings."""
+    """Return the energy (...) [J] of beads on strings, which is 0 for a chain without strings.
+
+    It follows from overlaps (..., n) [m] and positions of the anchor bead (...) [m].
+    """
     return 0.5 * chain.swing * (chain.finite_mass * displacement(chain, overlap, anchor) ** 2).sum(axis=-1)
 
 
 def coupled_at(chain: Chain, overlap: Array, force: Array) -> NDArray[np.int8]:
-    """Return which contacts are coupled at the given overlaps and forces (n,), without knowledge of earlier times."""
+    """Return flags of the contacts that are coupled at the given overlaps (n,) and forces (n,).
+
+    Earlier times are not taken into account.
+    """
     found = np.ones(chain.contacts if chain.has_segments else 0, dtype=np.int8)
     for i, contact in chain.piecewise if found.size else ():
         found[i] = force[i] < 0.0 or contact.starts_coupled(float(overlap[i]))
@@ -229,18 +252,19 @@ def coupled_at(chain: Chain, overlap: Array, force: Array) -> NDArray[np.int8]:
 
 
 def coupled_of(chain: Chain, state: State) -> NDArray[np.int8]:
-    """Return ``state.coupled``. If a State was made without it, derive it from the overlaps."""
+    """Return ``state.coupled``. If the State was created without it, derive it from the overlaps."""
     if state.coupled.size != (chain.contacts if chain.has_segments else 0):
         state.coupled = coupled_at(chain, state.overlap, state.force)
     return state.coupled
 
 
-@np.errstate(invalid="ignore")  # a diverged motion contains NaN
+@np.errstate(invalid="ignore")  # A motion that has diverged contains NaN.
 def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
-    """Compute (..., n+1) bead values from (..., n) differences between neighbours and the `value` (...) of the anchor
-    bead.
+    """Compute bead values (..., n+1) from the differences (..., n) between neighbours.
+
+    The `value` (...) of the anchor bead determines the constant.
     """
-    # Sum the differences from the first bead on, then shift all values by that of the anchor bead.
+    # Sum the differences from the first bead on. Then shift all values, so that the anchor bead gets its value.
     down = np.zeros((*difference.shape[:-1], difference.shape[-1] + 1))
     down[..., 1:] = difference
     np.subtract.accumulate(down, axis=-1, out=down)
@@ -251,7 +275,7 @@ def from_anchor(difference: Array, value: Any, anchor: int) -> Array:
 
 
 def checked_velocity(chain: Chain, velocity: ArrayLike) -> Array:
-    """Return `velocity` as (n+1,) finite floats. Raise ValueError if it has another shape or other values."""
+    """Return `velocity` as an array (n+1,) of finite floats. Raise ValueError if this is not possible."""
     speeds = number_array("velocity", velocity)
     if speeds.shape != (chain.contacts + 1,):
         raise InputError(

@@ -1,4 +1,6 @@
-"""Status of a run and warnings about possible problems, as codes with values. Programs do not have to parse sentences."""
+"""Status of a run, and warnings about possible problems. Both are codes with values, so programs need not parse
+sentences.
+"""
 
 from __future__ import annotations
 
@@ -8,28 +10,28 @@ from enum import IntEnum, StrEnum
 
 
 class Status(IntEnum):
-    """How a run ended. The numbers are those of the kernels (`softcradle.physics.numerics.records`)."""
+    """How a run ended. The numbers are also used in the kernels (`softcradle.physics.numerics.records`)."""
 
     DONE = 0  # the end time was reached
     SEPARATED = 1  # no contact pushes and none can close again, or all beads rest
     OUT_OF_STEPS = 2  # the method gave up before the end: too many steps
     FAILED = 3  # the method gave up before the end: it could not continue
-    # the end was reached, but the motion determines it less accurately than the tolerance: see velocity_error
+    # the run reached its end, but the motion determines the end less accurately than the tolerance: see velocity_error
     UNDETERMINED = 4
-    # the end was reached, but only after the step budget of the adaptive method was used up: see velocity_error
+    # the run reached its end, but not within the step budget of the adaptive method: see velocity_error
     BUDGET_SPENT = 7
 
     @property
     def gave_up(self) -> bool:
-        """Whether the run stopped before its end, so that its last velocities are not final."""
+        """True if the run stopped before its end. Its last velocities are then not final."""
         return self in (Status.OUT_OF_STEPS, Status.FAILED)
 
 
 class WarningCode(StrEnum):
-    """Possible problems of a motion."""
+    """Codes of possible problems of a motion."""
 
     GAVE_UP = "gave-up"  # the run stopped before its end
-    UNCONVERGED = "unconverged"  # steps were taken although their contact forces did not converge
+    UNCONVERGED = "unconverged"  # the method continued after steps in which the contact forces did not converge
     LOG_FULL = "log-full"  # contacts switched more often than the log has rows
     ENERGY = "energy"  # the error of the energy is larger than the tolerance guarantees
     SENSITIVE = "sensitive"  # finer runs disagree by more than the tolerance guarantees
@@ -41,12 +43,12 @@ class WarningCode(StrEnum):
     RETURNS = "returns"  # contacts close so often that the errors of a fixed step may have become large
     LATE_START = "late-start"  # the motion began before its first sample
     UNUSUAL = "unusual"  # a number is valid but probably not intended
-    UNKNOWN = "unknown"  # read from a file without codes, or with a code of a later version
+    UNKNOWN = "unknown"  # the warning was read from a file without codes, or has a code of a later version
 
 
 @dataclass(frozen=True, slots=True)
 class CodedWarning:
-    """Warning with its code, a sentence for people, and the numbers in the sentence by name."""
+    """Warning with its code, a sentence for people, and a dictionary of the numbers in the sentence."""
 
     code: WarningCode
     sentence: str

@@ -1,4 +1,4 @@
-"""Forces over time on chosen beads, piecewise linear, such as traction and brakes of a train."""
+"""Time-dependent forces on chosen beads, such as the traction and the brakes of a train. They are piecewise linear."""
 
 from __future__ import annotations
 
@@ -17,20 +17,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TimedForce:
-    """A force on chosen beads that is linear between breakpoints in time, 0 before the first and constant after the last.
+    """A time-dependent force on chosen beads.
 
+    The force is linear between breakpoints in time. It is 0 before the first breakpoint and constant after the last.
     Two breakpoints at the same time make a step. In ``Chain(forces=...)`` a positive force pushes to the right. In
-    ``Chain(brakes=...)`` the force is the largest friction force of a brake: it acts against the motion, and it holds a
-    bead at rest.
+    ``Chain(brakes=...)`` the force is the largest friction force of a brake. A brake acts against the motion, and it
+    holds a bead at rest.
 
     Parameters
     ----------
     beads : int or sequence of int
-        Indices of the beads, one or several; the full force acts on each of them.
+        Index of one bead, or indices of several beads. The full force acts on each of them.
     time : array_like, shape (K,)
         Times [s] >= 0, ascending, K >= 1.
     force : float or array_like, shape (K,)
-        Force [N] at these times, or one number for a constant force from the first time on.
+        Force [N] at these times. One number means a constant force from the first time on.
 
     Raises
     ------
@@ -59,7 +60,7 @@ class TimedForce:
             )
         if (np.diff(times) < 0.0).any():
             raise InputError("ascending_times", "force times must ascend, not {given}", given=shown(time))
-        # one force for all times, or one for each
+        # One force for all times, or one force for each time.
         if forces.shape not in ((), times.shape):
             raise InputError(
                 "timed_force_count",
@@ -88,19 +89,21 @@ class TimedForce:
         return self.force[-1] != 0.0
 
     def at(self, time: ArrayLike) -> Array:
-        """Return the force [N] at `time` [s], any shape; at a step the value after it."""
+        """Return the force [N] at `time` [s], any shape. At a step it is the value after the step."""
         return np.asarray(np.interp(np.asarray(time), *self._points[:2], left=0.0))
 
     @cached_property
     def _points(self) -> tuple[Array, Array, Array]:
-        """Times [s], forces [N] and impulse [N s] up to each time, as arrays (K,)."""
+        """Times (K,) [s], forces (K,) [N], and impulses (K,) [N s] up to each time."""
         time, force = np.array(self.time), np.array(self.force)
         return time, force, np.append(0.0, np.cumsum(0.5 * np.diff(time) * (force[1:] + force[:-1])))
 
     def impulse(self, end: ArrayLike) -> Array:
-        """Return the momentum [N s] that the force has given to each of its beads up to the time `end` [s], any shape."""
+        """Return the momentum [N s] that the force has transferred to each of its beads by the time `end` [s], any
+        shape.
+        """
         ends, (time, force, given) = np.asarray(end, dtype=np.float64), self._points
-        # impulse up to the last breakpoint, plus the trapezium after it
+        # Impulse up to the last breakpoint before `end`, plus the area of the trapezium after it.
         last = np.maximum(np.searchsorted(time, ends, side="right") - 1, 0)
         found: Array = given[last] + 0.5 * (ends - time[last]) * (force[last] + self.at(ends))
         return np.where(ends < time[0], 0.0, found)
@@ -119,9 +122,10 @@ def _checked_beads(beads: int | Sequence[int]) -> tuple[int, ...]:
 
 
 def checked_forces(what: str, forces: object, mass: Sequence[float], brakes: bool = False) -> tuple[TimedForce, ...]:
-    """Return `forces` as a tuple of TimedForce on beads of `mass` [kg]; brakes must never be negative.
+    """Return `forces` as a tuple of TimedForce. Brakes must never be negative.
 
-    Raises ValueError if an entry is not a TimedForce, or acts on a wall or on a bead that does not exist.
+    Raise ValueError if an entry is not a TimedForce, or if it acts on a wall or on a bead that does not exist. `mass`
+    [kg] contains the masses of all beads.
     """
     beads = len(mass)
     given = (forces,) if isinstance(forces, TimedForce) else forces
@@ -139,7 +143,7 @@ def checked_forces(what: str, forces: object, mass: Sequence[float], brakes: boo
                 bead=max(item.beads),
                 last=beads - 1,
             )
-        # no force can move a wall, and a brake never pushes
+        # A wall cannot be moved by a force, and a brake never pushes.
         walls = [bead for bead in item.beads if mass[bead] == math.inf]
         if walls:
             raise InputError(
@@ -158,7 +162,7 @@ def checked_forces(what: str, forces: object, mass: Sequence[float], brakes: boo
 
 
 def summed(forces: Sequence[TimedForce], time: ArrayLike, beads: int) -> Array:
-    """Return the sum (..., beads) of `forces` at `time` (...) [N]."""
+    """Return the sum (..., beads) of `forces` [N] at `time` (...) [s]."""
     total = np.zeros((*np.shape(time), beads))
     for item in forces:
         total[..., list(item.beads)] += item.at(time)[..., None]
@@ -166,7 +170,10 @@ def summed(forces: Sequence[TimedForce], time: ArrayLike, beads: int) -> Array:
 
 
 def on_other_beads(forces: Sequence[TimedForce], new: Sequence[int | None]) -> tuple[TimedForce, ...]:
-    """Return `forces` for a chain in which bead k has become bead ``new[k]``; None means that it was removed."""
+    """Return `forces` for a chain whose beads have been renumbered.
+
+    Bead k has become bead ``new[k]``. None means that it was removed.
+    """
     found = []
     for item in forces:
         beads = [moved for bead in item.beads if (moved := new[bead]) is not None]

@@ -1,5 +1,5 @@
-"""Trajectory: the result of a simulation. Sampled arrays with shapes and units, the switches of each contact, and the
-cost.
+"""Trajectory: the result of a simulation. It contains sampled arrays, the contact times, and the cost of the
+computation.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
 
-# Largest difference of wall velocities, relative to the largest speed, at which walls move as one. Such velocities are
-# sums over the chain and contain round-off.
+# Largest difference of the velocities of two walls that count as equal, relative to the largest speed. Such velocities
+# are sums over the chain, so they contain round-off.
 ALIKE = 1e-9
 
 
@@ -33,17 +33,18 @@ def _nothing() -> Array:
 
 
 def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
-    """Return (T,) the work [J] of the walls of `chain` on its beads since the first of T times; NaN if it is unknown.
+    """Return the work (T,) [J] of the walls of `chain` on its beads since the first of T times. It is NaN if unknown.
 
-    Walls give the beads the part of their `momentum` (T,) [N s] that nothing else gives. The work follows from it if
-    all walls move at one speed and no bed takes momentum. Walls at rest do no work.
+    `momentum` (T,) [N s] is the momentum of the beads without the contributions of other causes, so its changes come
+    from the walls. The work follows from it if all walls have the same speed and no bed absorbs momentum. Walls at rest
+    do not do work.
 
     Parameters
     ----------
     velocity : ndarray, shape (T, n+1)
-        [m/s], including walls.
+        Velocities [m/s] of all beads, including walls.
     """
-    # Velocities of the walls, which must agree.
+    # Velocities of the walls, which must be equal.
     speeds = velocity[:, np.isinf(chain.mass)]
     if not speeds.any():
         return np.zeros(len(velocity))
@@ -55,11 +56,11 @@ def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(Moving):
-    """Samples of a motion, the times at which each contact closed and opened, and the cost.
+    """Result of a simulation: samples of the motion, the times at which each contact closed and opened, and the cost.
 
-    `velocity_error` is the estimated error of `final_velocity`, and `position_error` that of the positions. Velocities
-    at samples and contact times have no error estimate. Their error is that of the steps; it is larger while contacts
-    push, or if they close slowly. Compare runs at two tolerances to measure it.
+    `velocity_error` is the estimated error of `final_velocity`. `position_error` is the estimated error of the
+    positions. Velocities at samples, and contact times, have no error estimate. Their errors are larger while contacts
+    push, or if contacts close slowly. Compare runs at two tolerances to measure these errors.
 
     Attributes
     ----------
@@ -69,7 +70,7 @@ class Trajectory(Moving):
     overlap : ndarray, shape (T, n)
         Overlaps [m], Eq. (1).
     rate : ndarray, shape (T, n)
-        Overlap rates [m/s]; more accurate than differences of `velocity` deep inside a cluster.
+        Overlap rates [m/s]. Deep inside a cluster, they are more accurate than differences of `velocity`.
     anchor : ndarray, shape (T, 2)
         Position [m] and velocity [m/s] of bead ``chain.anchor``.
     force : ndarray, shape (T, n)
@@ -77,13 +78,14 @@ class Trajectory(Moving):
     final_velocity : ndarray, shape (n+1,)
         Bead velocities [m/s] at the end of the run, independent of the samples.
     contact_intervals : tuple of tuples
-        For each contact a tuple of (closed, opened) times [s]; opened is inf if the contact never opens. A contact that
-        touches at rest closes as soon as a neighbour pushes it, long before a wave brings a significant force; with
-        fixed steps up to two steps per contact later. Some times are not determined: how often a soft contact opens and
-        closes while it separates, when contacts open between beads that a wave leaves nearly at rest, and whether beads
-        that friction holds at rest push each other. Adaptive methods then use the middle of the possible range of a
-        force. With fixed steps, beads next to such a bead may close by round-off. An adaptive step does not report
-        bounces within it, because their force is nearly zero.
+        For each contact a tuple of (closed, opened) times [s]. The opening time is inf if the contact never opens.
+        A contact that touches at rest closes as soon as a neighbour pushes it, long before a wave brings a
+        significant force. With fixed steps, it closes up to two steps per contact later. Some times are not
+        determined by the motion. Examples are the number of bounces of a soft contact while it separates, and the
+        opening times between beads that a wave leaves nearly at rest. Another example is the force between beads
+        that friction holds at rest. Adaptive methods then use the middle of the possible range of this force. With
+        fixed steps, contacts next to such a bead may close by round-off. Bounces within an adaptive step are not
+        reported, because their force is nearly zero.
     method : str
         Name of the method.
     step : float
@@ -91,8 +93,8 @@ class Trajectory(Moving):
     tolerance : float
         Tolerance of an adaptive method; 0 for fixed steps.
     speed_scale : float
-        Speed [m/s] that `tolerance` is relative to: the largest closing speed that the motion can have. 0 for fixed
-        steps.
+        Speed [m/s] to which `tolerance` is relative: the largest possible closing speed of the motion. It is 0 for
+        fixed steps.
     steps : int
         Number of steps taken.
     evaluations : int
@@ -100,21 +102,22 @@ class Trajectory(Moving):
     seconds : float
         Wall time of the solver [s].
     status : Status
-        How the run ended. If it gave up, `final_velocity` belongs to the time that it reached.
+        How the run ended. If it gave up, `final_velocity` belongs to the time at which it stopped.
     velocity_error : ndarray, shape (n+1,)
         Estimated error [m/s] of `final_velocity`; NaN if the method does not estimate errors (fixed steps).
     warnings : tuple of CodedWarning
         Possible problems, each with a code, a sentence and its numbers; empty without problems.
     choice : str
-        Choice of the method "auto" and its reason; "" for other methods.
+        Method that "auto" has chosen, and the reason. It is "" for other methods.
     absorbed_by_contacts : ndarray, shape (T,)
         Energy [J] that contacts with loss have dissipated since t = 0.
     absorbed_by_bed : ndarray, shape (T,)
-        Energy [J] that bed friction has dissipated since t = 0. Kinetic energy + contact energy + both dissipated
-        energies = energy at the start + `driven` + `by_walls`.
+        Energy [J] that bed friction has dissipated since t = 0. The energy balance is: kinetic energy + contact
+        energy + both dissipated energies = energy at the start + `driven` + `by_walls`.
     given : ndarray, shape (T, 2)
-        Work [J] and impulse [N s] of the forces over time of the chain since t = 0, without walls. In a motion that was
-        recorded in the window, also those of the pointer and of edits since the first sample.
+        Work [J] and impulse [N s] of the time-dependent forces since t = 0, without walls. In a motion that was
+        recorded in the window, the work and impulse of the pointer and of edits since the first sample are
+        included.
     """
 
     chain: Chain
@@ -141,7 +144,7 @@ class Trajectory(Moving):
     given: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
-        # Arrays that a caller did not give: errors are unknown, energies are 0.
+        # Defaults of arrays that the caller did not pass: errors are unknown, and energies are 0.
         if self.velocity_error.size != self.final_velocity.size:
             object.__setattr__(self, "velocity_error", np.full(self.final_velocity.size, np.nan))
         for name in ("absorbed_by_contacts", "absorbed_by_bed"):
@@ -152,17 +155,19 @@ class Trajectory(Moving):
 
     @cached_property
     def position(self) -> Array:
-        """Positions [m] without the bead lengths, shape (T, n+1): two beads that just touch have the same position."""
+        """Positions [m] without the bead lengths, shape (T, n+1). Two beads that just touch have the same position."""
         return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
 
     @property
     def position_error(self) -> Array:
-        """Estimated error [m] of the positions, shape (T,): the time since the start times a velocity error.
+        """Estimated error [m] of the positions, shape (T,). It is the time since the start, multiplied by a velocity
+        error.
 
-        This velocity error is the largest `velocity_error`, but at least the tolerance times `speed_scale`. Beads that
-        have come to rest have hardly any velocity error, but their positions still contain earlier errors.
+        This velocity error is the largest `velocity_error`, but at least the tolerance times `speed_scale`. The lower
+        limit is needed for beads that have come to rest: they have hardly any velocity error, but their positions
+        contain earlier errors.
         """
-        # An estimate: the velocity error acts during the whole time.
+        # This is only an estimate: the velocity error is assumed to act during the whole time.
         return np.maximum(self.velocity_error.max(), self.tolerance * self.speed_scale) * self.time
 
     @cached_property
@@ -173,17 +178,17 @@ class Trajectory(Moving):
     @cached_property
     def kinetic_energy(self) -> Array:
         """Kinetic energy [J] of the beads, shape (T,), without walls."""
-        with np.errstate(over="ignore"):  # inf for a diverged motion
+        with np.errstate(over="ignore"):  # The energy is inf for a motion that has diverged.
             return 0.5 * self.velocity[:, self._bead] ** 2 @ self.chain.finite_mass[self._bead]
 
     @cached_property
     def contact_energy(self) -> Array:
-        """Energy [J] stored in the contacts, shape (T,); contacts with loss return only a part of it."""
+        """Energy [J] stored in the contacts, shape (T,). Contacts with loss return only a part of it."""
         return self.chain.stored_energy(self.overlap, force=self.force).sum(axis=1)
 
     @cached_property
     def string_energy(self) -> Array:
-        """Energy [J] of the beads on strings, shape (T,), relative to their places of rest; 0 without strings."""
+        """Energy [J] of the beads on strings, shape (T,), relative to their positions at rest. It is 0 without strings."""
         if not self.chain.swing:
             return np.zeros(self.time.size)
         found: Array = hanging_energy(self.chain, self.overlap, self.anchor[:, 0])
@@ -196,10 +201,10 @@ class Trajectory(Moving):
 
     @property
     def ledger(self) -> Array:
-        """Energy balance [J], shape (T,), which must stay constant.
+        """Total of the energy balance [J], shape (T,). It must stay constant.
 
-        It is the energy of motion, contacts and strings + energy dissipated by contacts and bed - `driven` - `by_walls`; NaN
-        if `by_walls` is unknown.
+        It is the energy of motion, contacts and strings, plus the energy dissipated by contacts and bed, minus `driven`
+        and `by_walls`. It is NaN if `by_walls` is unknown.
         """
         energy = self.kinetic_energy + self.contact_energy - self.driven - self.by_walls
         if self.chain.swing:
@@ -208,7 +213,7 @@ class Trajectory(Moving):
 
     @cached_property
     def driven(self) -> Array:
-        """Work [J] of the drive and of forces over time on the beads since t = 0, shape (T,), without walls."""
+        """Work [J] of the drive and of time-dependent forces on the beads since t = 0, shape (T,), without walls."""
         if self.chain.drive_force is None:
             return self.given[:, 0]
         start = np.concatenate(([0.0], np.cumsum(self.chain.gap)))
@@ -217,8 +222,10 @@ class Trajectory(Moving):
 
     @cached_property
     def impulse(self) -> Array:
-        """Momentum [N s] that the drive and forces over time have given to the beads since t = 0, shape (T,), without
-        walls.
+        """Momentum [N s] that the drive and time-dependent forces have transferred to the beads since t = 0, shape
+        (T,).
+
+        Walls are not included.
         """
         if self.chain.drive_force is None:
             return self.given[:, 1]
@@ -226,7 +233,7 @@ class Trajectory(Moving):
 
     @cached_property
     def by_walls(self) -> Array:
-        """Work [J] of moving walls on the beads since the first sample, shape (T,), see ``work_of_walls``."""
+        """Work [J] of moving walls on the beads since the first sample, shape (T,); see ``work_of_walls``."""
         return work_of_walls(self.chain, self.velocity, self.momentum - self.impulse)
 
     @cached_property
@@ -234,15 +241,16 @@ class Trajectory(Moving):
         return np.isfinite(self.chain.mass)
 
     def hits(self) -> NDArray[np.void]:
-        """Return the table of all hits: contact, begin, end, impulse, closing speed, largest force, energy lost.
+        """Return the table of all hits. A hit is a time interval in which a contact is closed.
 
-        The motion is computed again with samples at the contact times and at the largest overlaps, so the values do not depend on
-        the samples of this Trajectory. See :func:`softcradle.physics.analysis.hits.hits`.
+        The columns are contact, begin, end, impulse, closing speed, largest force and energy lost. The motion is
+        computed again, with samples at the contact times and at the largest overlaps. The values therefore do not
+        depend on the samples of this Trajectory. See :func:`softcradle.physics.analysis.hits.hits`.
 
         Returns
         -------
         ndarray
-            Structured array, sorted by `begin`; `pandas.DataFrame(table)` makes a data frame of it.
+            Structured array, sorted by `begin`. `pandas.DataFrame(table)` converts it to a data frame.
 
         Raises
         ------
@@ -262,10 +270,10 @@ class Trajectory(Moving):
 
     @cached_property
     def largest_force(self) -> Array:
-        """Largest force [N] of each contact, shape (n,), from :meth:`hits`: exact, in contrast to the maximum of `force`.
+        """Largest force [N] of each contact, shape (n,), from :meth:`hits`.
 
-        It is negative for a coupler that pulled more than it pushed, and 0 for a contact that never closed. ValueError is
-        raised as by `hits`.
+        It is exact, in contrast to the maximum of the sampled `force`. It is negative for a coupler that pulled more
+        than it pushed, and 0 for a contact that never closed. A ValueError is raised in the same cases as by `hits`.
         """
         found = np.zeros(self.chain.contacts)
         for row in self.hits():
@@ -292,20 +300,23 @@ class Trajectory(Moving):
         return trajectory_file.load_motion(path, Trajectory)
 
     def to_csv(self, path: trajectory_file.Path) -> None:
-        """Write one row per sample: time, positions, velocities, overlaps, forces, energies, momentum. The header
-        contains units.
+        """Write one row per sample to a .csv file. The header contains quantities and units.
+
+        The columns are time, positions, velocities, overlaps, forces, energies and momentum.
         """
         trajectory_file.write_csv(path, self._columns())
 
     def to_xarray(self) -> xr.Dataset:
-        """Return the samples as an xarray Dataset over time, bead and contact, with units as attributes. Needs the
-        extra [notebook].
+        """Return the samples as an xarray Dataset over time, bead and contact, with units as attributes.
+
+        This requires the extra [notebook].
         """
         return trajectory_file.dataset(self._columns(), self._attributes())
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return the samples as a pandas DataFrame with the columns of :meth:`to_csv` and time as index. Needs the
-        extra [notebook].
+        """Return the samples as a pandas DataFrame with the columns of :meth:`to_csv` and time as index.
+
+        This requires the extra [notebook].
         """
         return trajectory_file.data_frame(self._columns(), self._attributes())
 

@@ -1,9 +1,9 @@
-"""Files and tables of trajectories: a complete .npz file, which is read back equal, .csv files, xarray and pandas.
+"""Files and tables of trajectories: .npz files, .csv files, xarray and pandas.
 
-The .npz file contains one array for each array of a Trajectory, `position` and `velocity` for readers without
-softcradle, `contact_intervals` (K, 3) with rows (contact, closed [s], opened [s]), and `metadata`. The metadata is a
-JSON text in which numbers may be `Infinity` (such as the mass of a wall) or `NaN`. Python's json reads them, but strict
-JSON readers do not. Nothing is pickled.
+An .npz file is complete: reading it restores an equal Trajectory. It contains one array for each array of a Trajectory.
+For readers without softcradle, it also contains `position` and `velocity`. The array `contact_intervals` (K, 3) has
+rows (contact, closed [s], opened [s]). `metadata` is a JSON text in which numbers may be `Infinity` (such as the mass
+of a wall) or `NaN`. Python's json module reads them, but strict JSON readers do not. Nothing is pickled.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-# Version of the file format. Older formats lack: 1 loss and friction, 2 status and codes of warnings, 3 forces over
-# time, 4 couplers, 5 user-defined laws, 6 the speed that the tolerance is relative to, 7 contacts of segments and
-# couplers that couple later.
+# Version of the file format. Features that older formats do not have, with the number of the last such format: loss and
+# friction (1), status and codes of warnings (2), time-dependent forces (3), couplers (4), user-defined laws (5), the
+# speed to which the tolerance is relative (6), contacts of segments and couplers that couple later (7).
 FORMAT = 8
-# Key of a contact with a user-defined law, and prefix of the names of the arrays of its table
+# Key of a contact with a user-defined law. It is also the first part of the names of the arrays of its table.
 OWN_LAW = "own_law"
 
 DIMENSIONS = {"bead": ("time", "bead"), "contact": ("time", "contact"), "": ("time",)}
@@ -52,9 +52,11 @@ Intervals = tuple[tuple[tuple[float, float], ...], ...]
 
 
 class Columns(NamedTuple):
-    """Columns of a table: titles ``quantity + name [unit]`` for each of the names, and values (T,) or (T, len(names)).
+    """Columns of a table for one quantity. There is one column for each name, with the title ``quantity + name
+    [unit]``.
 
-    `each` is the kind of thing that the names number: "bead", "contact", or "" for a single column.
+    The values have the shape (T,) or (T, len(names)). `each` is the kind of object to which a column belongs: "bead",
+    "contact", or "" for a single column.
     """
 
     quantity: str
@@ -65,13 +67,14 @@ class Columns(NamedTuple):
 
 
 def save_motion(path: Path, values: Mapping[str, Any], extra: Mapping[str, Array]) -> None:
-    """Write the fields of a Trajectory, and arrays for other readers, to the .npz file `path`. The file is written
-    whole or not at all.
+    """Write a Trajectory to the .npz file `path`. The file is written completely or not at all.
+
+    `values` are the fields of the Trajectory, and `extra` are additional arrays for other readers.
 
     Raises:
         OSError: the file cannot be written.
     """
-    # Arrays are stored as they are, everything else as JSON.
+    # Arrays are stored directly, everything else as JSON.
     both = {**values, **extra}
     arrays: dict[str, Any] = {name: value for name, value in both.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in values.items() if name not in arrays}
@@ -103,7 +106,7 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
     except OSError:
         raise
     except Exception:
-        # A damaged file can fail in any reader: zip, decompression, arrays, JSON, or `make`.
+        # A damaged file can cause an error at any stage: zip, decompression, arrays, JSON, or `make`.
         raise InputError("no_trajectory", "{path}: not a trajectory that softcradle saved", path=path) from None
     raise InputError(
         "trajectory_format",
@@ -116,7 +119,7 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
 
 def _fields(arrays: dict[str, Array], plain: dict[str, Any]) -> dict[str, Any]:
     """Return the fields of a Trajectory from the arrays and the metadata of a file."""
-    # These two arrays are for other readers only.
+    # Readers without softcradle use these two arrays. They are not needed here.
     for name in ("position", "velocity"):
         arrays.pop(name, None)
     chain = chain_from_table(plain.pop("chain"), arrays)
@@ -132,7 +135,10 @@ def _fields(arrays: dict[str, Array], plain: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_csv(path: Path, columns: Sequence[Columns]) -> None:
-    """Write one row per sample to the .csv file `path`, whole or not at all. The header contains quantities and units."""
+    """Write one row per sample to the .csv file `path`. The file is written completely or not at all.
+
+    The header contains quantities and units.
+    """
     with output_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(titles(columns))
@@ -140,18 +146,19 @@ def write_csv(path: Path, columns: Sequence[Columns]) -> None:
 
 
 def titles(columns: Sequence[Columns]) -> list[str]:
-    """Return the title of each column: quantity, name and unit."""
+    """Return the title of each column. It consists of quantity, name and unit."""
     return [f"{part.quantity}{name} [{part.unit}]" for part in columns for name in part.names]
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the software that made a result: softcradle, numpy, python."""
+    """Return the versions of the software that produced a result: softcradle, numpy and python."""
     return {"softcradle": version(), "numpy": np.__version__, "python": platform.python_version()}
 
 
 def _warnings(stored: list[Any]) -> Warnings:
-    """Return the warnings of a file. Files of formats 1 and 2 contain sentences without codes; later versions may have
-    more codes.
+    """Return the warnings that are stored in a file.
+
+    Files of formats 1 and 2 contain sentences without codes. Later versions may have codes that are unknown here.
     """
     codes = {code.value: code for code in WarningCode}
     return tuple(
@@ -168,7 +175,10 @@ def _interval_rows(intervals: Intervals) -> Array:
 
 
 def _chain_table(chain: Chain) -> dict[str, Any]:
-    """Return a chain as a table for JSON: ``asdict(chain)`` with number and name in place of a user-defined law."""
+    """Return a chain as a table for JSON.
+
+    It is ``asdict(chain)``, except that a user-defined law is replaced by its number and its name.
+    """
     contacts = [_contact_table(item, chain) for item in chain.contact]
     return {**asdict(replace(chain, contact=(hooke(1.0),) * chain.contacts)), "contact": contacts}
 
@@ -178,13 +188,13 @@ def _contact_table(item: Joint, chain: Chain) -> dict[str, Any]:
         return {OWN_LAW: chain.own_laws.index(item), "name": item.name}
     if (
         isinstance(item, PiecewiseContact) and type(item) is not Coupler
-    ):  # the class may not exist when the file is read
+    ):  # The class of the law may not exist when the file is read.
         return {"segments": [segment[:9] for segment in item.segments], "coupled": item.coupled}
     return asdict(item)
 
 
 def _law_arrays(chain: Chain) -> dict[str, Array]:
-    """Return the tables of the user-defined laws. The energy is not stored, because it is the integral of the force."""
+    """Return the arrays of the user-defined laws. The energy is not stored, because it is the integral of the force."""
     return {
         f"{OWN_LAW}{k}_{name}": getattr(law.table, name)
         for k, law in enumerate(chain.own_laws)
@@ -193,8 +203,9 @@ def _law_arrays(chain: Chain) -> dict[str, Array]:
 
 
 def chain_from_table(stored: dict[str, Any], arrays: Mapping[str, Array] = NO_LAWS) -> Chain:
-    """Return the chain from the results of `_chain_table` and `_law_arrays`. Keys that earlier versions did not write
-    get their defaults.
+    """Return the chain from the results of `_chain_table` and `_law_arrays`.
+
+    Keys that are missing in files of earlier versions get their defaults.
     """
     timed = {name: [TimedForce(**item) for item in stored.get(name, ())] for name in ("forces", "brakes")}
     laws: dict[int, OwnLaw] = {}
@@ -203,18 +214,21 @@ def chain_from_table(stored: dict[str, Any], arrays: Mapping[str, Array] = NO_LA
 
 
 def _contact(stored: dict[str, Any], laws: dict[int, OwnLaw], arrays: Mapping[str, Array]) -> Joint:
-    """Return the contact of a file. `laws` collects the user-defined laws by number, so that contacts share one law."""
-    # User-defined law: its table is read once, and shared by its contacts.
+    """Return the contact that is described by `stored`.
+
+    `laws` collects the user-defined laws by number, because several contacts may share one law.
+    """
+    # User-defined law. Its table is read once, and contacts with this law share it.
     if OWN_LAW in stored:
         number = stored[OWN_LAW]
         if number not in laws:
             fields = (arrays[f"{OWN_LAW}{number}_{name}"] for name in ("edge", "force", "error", "bend"))
             laws[number] = OwnLaw(TabledLaw(stored["name"], table_of(*fields)))
         return laws[number]
-    # Contact from a table of segments.
+    # Contact that is defined by a table of segments.
     if "segments" in stored:
         return SegmentTable(tuple(Segment(*row) for row in stored["segments"]), stored["coupled"])
-    # Power law, otherwise a coupler with its gears.
+    # Contact with a power law. Otherwise the contact is a coupler with gears.
     if "push" not in stored:
         return Contact(**stored)
     gears = {name: None if stored[name] is None else Contact(**stored[name]) for name in ("push", "pull")}
@@ -232,7 +246,7 @@ def dataset(columns: Sequence[Columns], attributes: Mapping[str, Any]) -> xr.Dat
     """Return a Dataset with one variable per quantity, over time and bead or contact."""
     with needed_for("to_xarray()", "notebook"):
         import xarray as xr
-    # Variables over time, and over the beads or contacts that they belong to.
+    # Each variable is an array over time, and over the beads or contacts to which it belongs.
     time, *others = columns
     variables = {
         part.quantity.replace(" ", "_"): (DIMENSIONS[part.each], part.values, {"units": part.unit}) for part in others

@@ -6,7 +6,10 @@ from importlib import metadata
 
 
 def version() -> str:
-    """Return the version of pyproject.toml, or "not installed" if softcradle runs from a checkout without installation."""
+    """Return the version of the installed package, which is defined in pyproject.toml.
+
+    Return "not installed" if softcradle runs from a checkout without installation.
+    """
     try:
         return metadata.version("softcradle")
     except metadata.PackageNotFoundError:

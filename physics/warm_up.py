@@ -7,26 +7,25 @@ from collections.abc import Iterable
 from softcradle.physics.kernel_tiers import KernelTiers
 from softcradle.physics.methods import METHODS, Family, Method, find_method
 
-# Other users of kernels, by their names in Python
+# Other functions and classes that use kernels, by their names in Python
 SOFT_CHAIN, ENSEMBLE_ENDS = OTHERS = "SoftChain", "ensemble_ends"
 
 
 def warm(methods: Iterable[str] | str | None = None) -> None:
-    """Compile the kernels that `simulate` and `advance` need for these methods, or load them if they are compiled
-    already.
+    """Compile the kernels of some methods, or load them if they are compiled already.
 
-    On a new machine this takes about a minute per method, later a fraction of a second. The logger ``softcradle``
-    reports it.
+    `simulate` and `advance` can then use the methods without delay. On a new machine, compiling takes about a minute
+    per method. Later, loading takes a fraction of a second. The logger ``softcradle`` reports the progress.
 
     Parameters
     ----------
     methods : str or iterable of str, optional
-        One or several names, which may include "SoftChain" and "ensemble_ends"; None: all.
+        Name of one method, or several names. "SoftChain" and "ensemble_ends" are also valid. None means all.
 
     Raises
     ------
     ValueError
-        If a method does not exist.
+        If a name is not valid.
 
     Examples
     --------
@@ -55,7 +54,7 @@ def _kernels_called(name: str) -> list[KernelTiers]:
 
 
 def kernels_of(method: Method) -> KernelTiers | None:
-    """Return the kernels of a method; None if it has none."""
+    """Return the kernels of a method, or None if it has no kernels."""
     if method.family is Family.FIXED_STEP:
         from softcradle.physics.fixed_step.runner import TIERS
 
