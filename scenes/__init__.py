@@ -1,4 +1,4 @@
-"""Scenes: TOML files, checked on reading, that describe chains, their start velocities and how they are shown."""
+"""Scenes: TOML files that describe chains, their start velocities, and how to show them. Files are checked when read."""
 
 from softcradle.scenes.catalogue import load, names, parse, text_of
 from softcradle.scenes.scene_errors import SceneError

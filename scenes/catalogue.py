@@ -12,7 +12,8 @@ from softcradle.scenes.scene_schema import Scene
 from softcradle.scenes.toml_mistakes import MOST_SHOWN, read_toml
 
 CATALOGUE = Path(__file__).parent / "catalogue"
-MOST_TEXT = 2**26  # Most characters that are read from a file. A lane of the largest size has a few million.
+# Largest number of characters that are read from a file. A lane of the largest size has a few million.
+MOST_TEXT = 2**26
 
 
 def names() -> tuple[str, ...]:
@@ -21,10 +22,11 @@ def names() -> tuple[str, ...]:
 
 
 def load(name_or_path: str | Path) -> Scene:
-    """Return the scene of the catalogue with this name, or the scene in the file at this path.
+    """Return a scene by the name of a scene of the catalogue, or by the path of a scene file.
 
     Raises:
-        SceneError: the scene or file does not exist, or the file is not a valid scene; one sentence for each problem.
+        SceneError: the scene or file does not exist, or the file is not a valid scene. There is one sentence for each
+            problem.
 
     >>> load("one-on-four").lanes[0].velocity
     (1.0, 0.0, 0.0, 0.0, 0.0)
@@ -33,13 +35,17 @@ def load(name_or_path: str | Path) -> Scene:
 
 
 def text_of(name_or_path: str | Path) -> str:
-    """Return the text of the file of a scene, for example as a start for a new scene. Raise SceneError."""
+    """Return the text of a scene file, for example as a starting point for a new scene.
+
+    Raise SceneError if the scene does not exist.
+    """
     return _read(str(name_or_path))[0]
 
 
 def parse(text: str, file: str = "scene") -> Scene:
-    """Return the scene that the TOML `text` describes. Raise SceneError with every problem; the messages call the text
-    `file`.
+    """Return the scene that the TOML `text` describes.
+
+    Raise SceneError with all problems of the text. The messages use `file` as the name of the text.
     """
     table, mistakes = read_toml(text)
     problems: list[str] = [at(file, mistake) for mistake in mistakes]
@@ -55,7 +61,7 @@ def parse(text: str, file: str = "scene") -> Scene:
 
 
 def _read(wanted: str) -> tuple[str, str]:
-    """Return the text of the scene and the name of its file for error messages."""
+    """Return the text of the scene `wanted`, and the file name for error messages."""
     shipped = CATALOGUE / f"{wanted}.toml"
     if wanted in names():
         return shipped.read_text(encoding="utf-8"), shipped.name
@@ -70,12 +76,12 @@ def _read(wanted: str) -> tuple[str, str]:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise SceneError([Message("unreadable", "cannot read {path}: {reason}", path=wanted, reason=reason)]) from None
-    except ValueError:  # The name is not possible for a file, for example because it contains a null character.
+    except ValueError:  # The name is not possible for a file. An example is a name with a null character.
         raise SceneError([Message("no_file", "cannot find the file {path}", path=repr(wanted))]) from None
 
 
 def text_in(path: str) -> str:
-    """Return the text of a file or pipe. Raise OSError, or ValueError if the content is not text in UTF-8."""
+    """Return the text of a file or pipe. Raise OSError if it cannot be read, or ValueError if it is not UTF-8 text."""
     with open(path, encoding="utf-8-sig") as file:
         text = file.read(MOST_TEXT)
     if len(text) == MOST_TEXT:
@@ -84,8 +90,9 @@ def text_in(path: str) -> str:
 
 
 def _encoding_hint(error: UnicodeDecodeError) -> Message:
-    """Return advice about a file in another encoding. If the file has one byte per character, show the line of the
-    problem.
+    """Return advice about a file that is not in UTF-8.
+
+    If the encoding has one byte per character, the advice contains the line of the problem.
     """
     data = bytes(error.object)
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):

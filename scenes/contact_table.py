@@ -29,18 +29,19 @@ from softcradle import physics
 
 
 class AnyLaw(Table):
-    """Contact between two beads with the name of its law."""
+    """Table of a contact between two beads. The key `law` contains the name of its contact law."""
 
     law: str
 
     def contact(self) -> physics.Contact | physics.Coupler:
-        """Return the contact that the table describes, for a Chain."""
+        """Return the contact that the table describes, for use in a Chain."""
         raise NotImplementedError
 
 
 class Law(AnyLaw):
-    """Contact law by name; its other keys are the parameters of the law. The default of `loss` is 0, an elastic
-    contact.
+    """Table of a contact law. The keys other than `law` are the parameters of the law.
+
+    The default of `loss` is 0, which means an elastic contact.
     """
 
     loss: Loss = 0.0
@@ -50,8 +51,9 @@ class Law(AnyLaw):
         return KIND_BY_NAME[self.law].constructor(**{name: value for name, value in self if name != "law"})
 
     def __reduce__(self) -> tuple[Callable[[Any], Law], tuple[dict[str, Any]]]:
-        """Return the table. Another process reads it again, because the model classes of laws are not found by name in
-        a module.
+        """Return the table for pickle. Another process creates the object from the table.
+
+        The model classes of laws cannot be pickled directly, because a module does not contain them by name.
         """
         return read_law, (self.model_dump(exclude_unset=True),)
 
@@ -65,8 +67,9 @@ MODELS = {kind.law: _model(kind) for kind in KINDS}
 
 
 def read_law(table: Any) -> Law:
-    """Return the law that a table of a scene file describes. Its name is checked first, because it determines the other
-    keys.
+    """Return the contact law that a table of a scene file describes.
+
+    The name of the law is checked first, because it determines the other keys.
     """
     found = _read(table, [kind.law for kind in KINDS])
     assert isinstance(found, Law)
@@ -74,7 +77,7 @@ def read_law(table: Any) -> Law:
 
 
 def _read(table: Any, laws: list[str]) -> AnyLaw:
-    """Return the contact that a table describes. Its law must be one of `laws`."""
+    """Return the contact that a table describes. The name of its law must be one of `laws`."""
     if isinstance(table, AnyLaw):
         return table
     if not isinstance(table, Mapping):
@@ -97,8 +100,9 @@ def _read(table: Any, laws: list[str]) -> AnyLaw:
 
 
 def _raise_unknown_law(law: Any, table: Mapping[str, Any], laws: list[str]) -> NoReturn:
-    """Raise the problem of an unknown law. If the intended law can be guessed, raise the problems of its parameters as
-    well.
+    """Raise the error for an unknown law.
+
+    If the intended law can be guessed, also raise the errors of its parameters.
     """
     meant = SAME_LAWS.get(str(law).lower()) or next(iter(difflib.get_close_matches(str(law), laws, n=1)), "")
     known = str(law).lower() in SAME_LAWS
@@ -114,15 +118,17 @@ def _raise_unknown_law(law: Any, table: Mapping[str, Any], laws: list[str]) -> N
 
 
 class CouplerTable(AnyLaw):
-    """Coupler of a train, see :class:`softcradle.Coupler`. It pushes, has slack, pulls, and goes solid at full travel.
+    """Table of a train coupler, see :class:`softcradle.Coupler`. A coupler pushes, has slack, pulls, and becomes solid
+    at full travel.
 
     Attributes:
         push: table of the contact law for pushing.
-        pull: table of the contact law for pulling; by default the coupler does not pull.
+        pull: table of the contact law for pulling. By default the coupler does not pull.
         slack: distance between pushing and pulling [m].
-        travel: compression of a gear at which it becomes solid [m]; requires `stop`.
-        stop: stiffness added to the law of the gear beyond the travel [N/m]; requires `travel`.
-        coupled: whether it is coupled at the start; by default, unless the gap there is larger than the slack.
+        travel: compression of a gear at which it becomes solid [m]. It requires `stop`.
+        stop: stiffness added to the law of the gear beyond the travel [N/m]. It requires `travel`.
+        coupled: true if the coupler is coupled at the start. By default it is coupled unless the gap is larger than
+            the slack.
     """
 
     push: GearTable
@@ -172,8 +178,9 @@ def table_of(contact: physics.Contact | physics.Coupler, accuracy: float = 0.0) 
 
 
 def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
-    """Return the law of the most special kind that describes `contact`. `accuracy` is the allowed relative error of the
-    preload.
+    """Return the table of a contact law. Its kind is the most special one that describes `contact`.
+
+    `accuracy` is the allowed relative error of the preload.
     """
     preload, stiffness, exponent = contact.preload, contact.stiffness, contact.exponent
     precompression = _precompression(preload, stiffness, accuracy) if stiffness and exponent == 1.0 else None
@@ -191,9 +198,9 @@ def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
 
 
 def _precompression(preload: float, stiffness: float, accuracy: float) -> float | None:
-    """Return the precompression [m] that gives `preload`, or None if rounding excludes every candidate.
+    """Return the precompression [m] that gives `preload` with the given `stiffness`.
 
-    If several candidates fit, the one with the shortest text is returned.
+    If several values fit, return the one with the shortest text. Return None if rounding excludes every value.
     """
     quotient = preload / stiffness
     near = (quotient, math.nextafter(quotient, 0.0), math.nextafter(quotient, math.inf))

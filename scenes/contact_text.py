@@ -1,6 +1,4 @@
-"""Conversion between contacts and one line of text, as on a command line: ``power_law(1, 1/10)``, ``draft_gear(770,
-...)``.
-"""
+"""Conversion between contacts and one line of text, such as ``power_law(1, 1/10)``, for example on a command line."""
 
 import re
 import tomllib
@@ -18,17 +16,17 @@ from softcradle import physics
 
 TABLE: TypeAdapter[Law] = TypeAdapter(GearTable)
 CALL = re.compile(r"\s*([A-Za-z_]+)\s*\((.*)\)\s*")
-ACCURACY = 1e-6  # Relative accuracy of the six digits with which numbers are written.
+ACCURACY = 1e-6  # Relative accuracy of numbers that are written with six digits.
 
 
 def contact_from(text: str) -> Law:
-    """Return the contact that `text` describes, such as ``power_law(1, 1/10)`` or ``draft_gear(stiffness=5,
-    precompression=0.2)``.
+    """Return the contact law that `text` describes, such as ``power_law(1, 1/10)``.
 
-    The names of laws are those of Python or of scene files.
+    Parameters may be named, as in ``draft_gear(stiffness=5, precompression=0.2)``. The names of laws are the same as in
+    Python or in scene files.
 
     Raises:
-        SceneError: `text` does not describe a contact; one sentence.
+        SceneError: `text` does not describe a contact. The error message is one sentence.
 
     >>> contact_from("power_law(1, alpha=1/10)").contact() == physics.power_law(1.0, 0.1)
     True
@@ -55,12 +53,15 @@ def contact_from(text: str) -> Law:
 
 
 def _named(text: str) -> Message:
-    """Return the name of the contact in messages."""
+    """Return the name of the contact for use in messages."""
     return Message("contact_name", "contact {text!r}", text=text)
 
 
 def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
-    """Return the parameters in `arguments`, by name. `text` is the whole call of `law`, for error messages."""
+    """Return the parameters in the text `arguments`, by name.
+
+    `law` is the name of the law, and `text` is the whole call for error messages.
+    """
     names = list(KIND_BY_NAME[law].numbers)
     found: dict[str, Any] = {}
     words = [word.strip() for word in arguments.split(",")] if arguments.strip() else []
@@ -80,8 +81,9 @@ def _numbers(text: str, law: str, arguments: str) -> dict[str, Any]:
 
 
 def _number(text: str) -> Any:
-    """Return a number as TOML reads it. Return a fraction or anything else as text, which the table of the law then
-    checks.
+    """Return a number, read according to the rules of TOML.
+
+    A fraction or any other text is returned as text. The table of the law checks it later.
     """
     try:
         value = tomllib.loads(f"x = {text}")["x"]
@@ -91,8 +93,9 @@ def _number(text: str) -> Any:
 
 
 def contact_text(contact: AnyLaw | Joint) -> str:
-    """Return the contact as one line of text, with numbers of six digits. :func:`contact_from` can read it, except for
-    couplers and user-defined laws.
+    """Return the contact as one line of text, with numbers of six digits.
+
+    :func:`contact_from` can read this text, except for couplers and user-defined laws.
 
     >>> contact_text(physics.draft_gear(770.0, 0.0177))
     'draft_gear(770, 0.0177)'

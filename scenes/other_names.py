@@ -1,4 +1,4 @@
-"""Keys and laws of other programs and textbooks, with their replacements in scene files.
+"""Names of keys and contact laws in other programs and textbooks, and their replacements in scene files.
 
 Tests: tests/scenes/test_file_mistakes.py
 """
@@ -13,10 +13,10 @@ from softcradle.physics.messages import Message
 
 # Standard acceleration of gravity [m/s^2], used if the value of `gravity` is not a number.
 STANDARD_GRAVITY = 9.81
-# Largest number of forces that a hint writes out. Longer lists are described by a formula.
+# Largest number of forces that a hint lists one by one. A formula describes longer lists.
 MOST_FORCES = 6
 
-# Names elsewhere and the keys of scene files with the same meaning.
+# Keys of other programs, and the keys of scene files with the same meaning.
 SAME_KEYS = {
     "k": "stiffness",
     "spring_constant": "stiffness",
@@ -66,7 +66,7 @@ SAME_LAWS = {
 
 
 class Remedy(NamedTuple):
-    """Advice on an unknown key: a sentence, and the key with the same meaning, if there is one."""
+    """Advice on an unknown key: a sentence and, if there is one, the valid key with the same meaning."""
 
     sentence: str
     meant: str | None = None
@@ -97,7 +97,7 @@ def remedy_of(key: str, table: Mapping[str, Any], allowed: Sequence[str]) -> Rem
 
 
 def _number(value: Any) -> float | None:
-    """Return the finite number in `value`, which may be text such as "0.8"; otherwise return None."""
+    """Return `value` as a finite number. Text such as "0.8" is also accepted. Otherwise return None."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     try:
@@ -108,7 +108,7 @@ def _number(value: Any) -> float | None:
 
 
 def _loss(value: Any) -> str:
-    """Return advice on the loss of a contact with the restitution `value`."""
+    """Return advice about the loss of a contact whose coefficient of restitution is `value`."""
     restitution = _number(value)
     if restitution is None or not 0.0 <= restitution <= 1.0:
         return Message("loss_rule", "loss = 1 - e**2 with the restitution e")
@@ -121,7 +121,7 @@ def _loss(value: Any) -> str:
 
 
 def _drive(value: Any, table: Mapping[str, Any]) -> str:
-    """Return advice on the drive that gives the beads of `table` their weights."""
+    """Return advice about the key `drive`. The advice contains the weights of the beads in `table`."""
     gravity = _number(value)
     known = STANDARD_GRAVITY if gravity is None else gravity
     rule = f"drive = mass * {known:g}"

@@ -1,4 +1,7 @@
-"""Problems of a scene file as messages, each with the file, the key, the allowed values and the actual value."""
+"""Error messages about problems in a scene file.
+
+Each message contains the file, the key, the allowed values and the actual value.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from pydantic_core import ErrorDetails
 from softcradle.physics.checked_input import shown
 from softcradle.physics.messages import N_, Message, message_of
 
-# Messages for pydantic's types of errors, in terms of TOML. The messages of pydantic use terms of Python.
+# Messages that replace those of pydantic, by type of error. They use terms of TOML instead of Python.
 DEMANDS = {
     "float_type": ("must_be_number", N_("{place} must be a number, not {given}")),
     "int_type": ("must_be_whole", N_("{place} must be a whole number, not {given}")),
@@ -27,12 +30,13 @@ DEMANDS = {
 }
 
 
-WHOLE = Message("whole_scene", "the scene")  # Place of a problem of a whole scene.
+WHOLE = Message("whole_scene", "the scene")  # Place in messages about a problem that concerns a whole scene.
 
 
 class SceneError(ValueError):
-    """Error for a missing or invalid scene. `problems` contains a message for each problem; the text of the error is
-    the first one.
+    """Error for a missing or invalid scene.
+
+    `problems` contains one message for each problem. The text of the error is the first message.
     """
 
     def __init__(self, problems: Sequence[str]) -> None:
@@ -40,18 +44,19 @@ class SceneError(ValueError):
         self.problems = tuple(problems)
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[str, ...]]]:
-        """Return the problems, from which pickle rebuilds the error in another process."""
+        """Return the problems for pickle, which creates the error again in another process."""
         return type(self), (self.problems,)
 
 
 def at(place: str, problem: str) -> Message:
-    """Return the message of a problem with its place: a file, or a key."""
+    """Return the message of a problem together with its place: a file or a key."""
     return Message("at", "{place}: {problem}", place=place, problem=problem)
 
 
 def scene_error(file: str, error: ValidationError, whole: str = WHOLE) -> SceneError:
-    """Return a SceneError with the problems that pydantic found in `file`. `whole` is the place of a problem of the
-    whole file.
+    """Return a SceneError with the problems that pydantic found in `file`.
+
+    `whole` is the place that a message names if its problem concerns the whole file.
     """
     return SceneError([at(file, _sentence(detail, whole)) for detail in error.errors(include_url=False)])
 
@@ -65,18 +70,20 @@ def _sentence(detail: ErrorDetails, whole: str) -> str:
         return at(parent, missing) if parent else missing
     if detail["type"] in ("scene", "value_error"):
         sentence = context["sentence"] if detail["type"] == "scene" else message_of(context["error"])
-        if isinstance(sentence, Message) and sentence.values.get("what") == key:  # It already contains the key.
+        # The sentence already contains the key.
+        if isinstance(sentence, Message) and sentence.values.get("what") == key:
             place = parent
         return at(place, sentence) if place else sentence
-    if detail["type"] not in DEMANDS:  # pydantic's own message, in English
+    if detail["type"] not in DEMANDS:  # Use pydantic's own message, which is in English.
         return at(place, detail["msg"]) if place else detail["msg"]
     code, template = DEMANDS[detail["type"]]
     return Message(code, template, place=place, given=shown(detail["input"]), **context)
 
 
 def _place(location: tuple[int | str, ...]) -> str:
-    """Return a place in the file such as `lanes[0].contact.alpha`. Tags of alternatives, in brackets, are not keys of
-    the file.
+    """Return the text of a place in the file, such as `lanes[0].contact.alpha`.
+
+    pydantic marks alternatives by tags in brackets. They are left out, because they are not keys of the file.
     """
     path = ""
     for part in location:

@@ -1,4 +1,4 @@
-"""Schema of a scene file: a Scene, its lanes with one chain each, and its view. All of them are immutable."""
+"""Schema of a scene file. A Scene contains lanes with one chain each, and a view. All objects are immutable."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ from softcradle.scenes.toml_table import (
 
 from softcradle import physics
 
-# Largest number of beads of a lane. A typing error must not fill the memory.
+# Largest number of beads of a lane. It prevents a typing error from filling the memory.
 MOST_BEADS = 100_000
-# Largest ratio of film time to motion time, and of motion time to film time. Times of frames must stay valid times of a
-# run.
+# Largest ratio of film time to motion time, and of motion time to film time. The times of frames then remain valid
+# times of a run.
 MOST_SLOW = 1e20
-# Places of keys in a scene file, after "belongs".
+# Places in a scene file. Messages use them after the word "belongs".
 ABOVE_LANES = Message("above_lanes", "above the first [[lanes]]")
 BELOW_LANES = Message("below_lanes", "to a lane, below [[lanes]]")
 BELOW_VIEW = Message("below_view", "below [view]")
@@ -47,7 +47,8 @@ ONE_VELOCITY = Message(
 )
 Count = Annotated[int, Strict(), Field(ge=1, le=MOST_BEADS)]
 Text = Annotated[str, BeforeValidator(lambda text: " ".join(text.split()) if isinstance(text, str) else text)]
-# A Message keeps its code and values, so that a window can translate it. In a file it is its English text.
+# Text of a scene. A Message keeps its code and values, because a window may translate it. A file contains its English
+# text.
 Label = Annotated[Text, WrapValidator(lambda text, check: text if isinstance(text, Message) else check(text))]
 
 
@@ -77,13 +78,14 @@ class ForceTable(Table):
 
 
 def is_count(value: Any) -> bool:
-    """Return True if `value` is a possible number of beads."""
+    """Return True if `value` is a valid number of beads."""
     return type(value) is int and 1 <= value <= MOST_BEADS
 
 
 def count_of(lane: Mapping[str, Any]) -> int | None:
-    """Return the number of beads of a lane, from `beads` or else from the length of a list; None if both are missing or
-    invalid.
+    """Return the number of beads of a lane, from the key `beads` or else from the length of a list.
+
+    Return None if both are missing or invalid.
     """
     beads, mass, velocity = (lane.get(key) for key in ("beads", "mass", "velocity"))
     if isinstance(beads, list | tuple):
@@ -95,8 +97,9 @@ def count_of(lane: Mapping[str, Any]) -> int | None:
 
 
 def strikers_at(speed: Any, clusters: Any) -> tuple[Any, ...]:
-    """Return the velocities of `clusters`: moving strikers, then targets at rest. Return () if `clusters` are not valid
-    numbers.
+    """Return the start velocities of all beads: strikers with the velocity `speed`, then targets at rest.
+
+    `clusters` contains the numbers of strikers and targets. Return () if these numbers are not valid.
     """
     if not all(map(is_count, clusters)):
         return ()
@@ -105,25 +108,25 @@ def strikers_at(speed: Any, clusters: Any) -> tuple[Any, ...]:
 
 
 class Lane(Table):
-    """Chain with its start.
+    """Lane of a scene: a chain and its start.
 
     Attributes:
-        label: name in pictures and tables.
-        beads: number of beads, or [strikers, targets]; optional if `mass` or `velocity` is a list.
-        mass: mass [kg], one for all beads or a list; inf is a wall.
-        contact: contact law, one for all contacts or a list from left to right.
-        velocity: velocity of every bead [m/s]. In a file with ``beads = [strikers, targets]`` it can be one number, the
-            velocity of the strikers; then the targets are at rest.
-        gap: gap [m], one for all contacts or a list. At 0 two beads just touch; a negative gap is an overlap at the
-            start.
-        approach: gap between strikers and targets [m]; only together with ``beads = [strikers, targets]``.
-        drive: steady external force on every bead [N] from t = 0 on; the scene then needs a duration.
+        label: name of the lane in pictures and tables.
+        beads: number of beads, or [strikers, targets]. It is optional if `mass` or `velocity` is a list.
+        mass: mass [kg], one number for all beads or a list. A bead with the mass inf is a wall.
+        contact: contact law, one for all contacts, or a list from left to right.
+        velocity: list of the velocities of all beads [m/s]. In a file with ``beads = [strikers, targets]`` it can
+            be one number, the velocity of the strikers. The targets are then at rest.
+        gap: gap [m], one number for all contacts or a list. With a gap of 0 two beads just touch. A negative gap is
+            an overlap at the start.
+        approach: gap between strikers and targets [m]. It requires ``beads = [strikers, targets]``.
+        drive: steady external force on every bead [N] from t = 0 on. The scene then needs a duration.
         friction: Coulomb coefficient of the bed on which the beads slide; 0 means no friction.
-        forces: forces over time on some beads, in addition to the drive.
-        brakes: brakes over time on some beads, in addition to the friction of the bed.
-        strings: length [m] of the strings on which all beads hang; then the scene needs a duration. Each bead swings about its
-            place at the start.
-        gravity: acceleration [m/s²] that pulls beads on strings back; None means standard gravity.
+        forces: time-dependent forces on some beads, in addition to the drive.
+        brakes: time-dependent brakes on some beads, in addition to the friction of the bed.
+        strings: length [m] of the strings on which all beads hang. The scene then needs a duration. Each bead
+            swings about its place at the start.
+        gravity: acceleration of gravity [m/s²] for beads on strings. None means standard gravity.
     """
 
     label: Label = ""
@@ -142,13 +145,16 @@ class Lane(Table):
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
-        """Return the keys of the scene and of its view, with their places."""
+        """Return the keys that belong to the scene or to its view, and where to write them."""
         above = dict.fromkeys(set(Scene.model_fields) - set(cls.model_fields), ABOVE_LANES)
         return dict.fromkeys(View.model_fields, BELOW_VIEW) | above
 
     @classmethod
     def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
-        """Yield unknown keys, and lists of wrong length. If `velocity` is a single number, assign it to all strikers."""
+        """Yield messages about unknown keys and about lists of wrong length.
+
+        If `velocity` is a single number, replace it by a list in which all strikers have this velocity.
+        """
         yield from super().mistakes(table)
         beads, velocity = table.get("beads"), table.get("velocity")
         if isinstance(beads, list | tuple):
@@ -215,14 +221,17 @@ class Lane(Table):
         return self
 
     def _count(self) -> int:
-        """Return the number of beads."""
+        """Return the number of beads of this lane."""
         count = count_of({"beads": self.beads, "mass": self.mass, "velocity": self.velocity})
-        assert count is not None  # A checked lane always has a number of beads.
+        assert count is not None  # After the checks, a lane always has a number of beads.
         return count
 
     @classmethod
     def of(cls, chain: physics.Chain, velocity: Sequence[float], label: str = "") -> Self:
-        """Return the lane of a chain and its start. User-defined contact laws cannot be written to a scene file."""
+        """Return the lane with the given chain and start velocities.
+
+        User-defined contact laws cannot be written to a scene file.
+        """
         laws = [
             table_of(contact) for contact in chain.contact if isinstance(contact, physics.Contact | physics.Coupler)
         ]
@@ -266,10 +275,11 @@ class View(Table):
     """Settings of the picture of a scene.
 
     Attributes:
-        slow: slow motion: seconds of film per second of motion.
+        slow: factor of slow motion: film time in seconds per second of motion.
         length: length of a bead [m].
-        magnify: factor by which overlaps are drawn larger than they are; None lets the drawing choose.
-        after: time [s] that a film continues after the last contact has opened; None lets the film choose.
+        magnify: factor by which overlaps are drawn larger than they are. None means an automatic choice.
+        after: time [s] for which a film continues after the last contact has opened. None means an automatic
+            choice.
         labels: True if the numbers of the beads are drawn.
     """
 
@@ -303,7 +313,7 @@ class View(Table):
 
 
 class Scene(notebook_views.Moving, Table):
-    """Scene: chains with their starts, the method, and the settings of the picture.
+    """Scene: chains and their starts, the method, and the settings of the picture.
 
     Attributes
     ----------
@@ -312,21 +322,22 @@ class Scene(notebook_views.Moving, Table):
     text : str
         Description of the motion in two or three sentences.
     question : str
-        Question to the viewer before the motion is played. The window shows the text only afterwards; a page shows
-            both.
+        Question to the viewer before the motion is played. The desktop window shows `text` only after the motion. A
+        page shows both from the beginning.
     source : str
         Place in the paper.
     lanes : tuple of Lane
-        Lanes with one chain each, which are all shown together.
+        Lanes with one chain each. All lanes are shown together.
     duration : float or None
-        Duration [s]; None runs until every contact is open and none can close again.
+        Duration [s]. None means that the run ends when every contact is open and none can close again.
     method : str or None
-        Method of `simulate`. None means the default of `simulate`, or `conserving` if a step is given or if the default
-        cannot compute a lane.
+        Method of `simulate`. None usually means the default of `simulate`. It means `conserving` if a step is
+        given, or if the default cannot compute a lane.
     step : float or None
-        Time step of a fixed-step method [s]; None means the default of `simulate`.
+        Time step of a fixed-step method [s]. None means the default of `simulate`.
     tolerance : float or None
-        Tolerance of an adaptive method; None means the default of `simulate`. It is not allowed with a fixed-step method.
+        Tolerance of an adaptive method. None means the default of `simulate`. It is not allowed with a fixed-step
+        method.
     view : View
         Settings of the picture.
     """
@@ -344,13 +355,16 @@ class Scene(notebook_views.Moving, Table):
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
-        """Return the keys of lanes and of the view, with their places."""
+        """Return the keys that belong to a lane or to the view, and where to write them."""
         lane = dict.fromkeys(set(Lane.model_fields) - {"label"}, BELOW_LANES)
         return lane | dict.fromkeys(View.model_fields, BELOW_VIEW)
 
     @classmethod
     def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
-        """Yield unknown keys, and a lane in single brackets, which is then read as one lane."""
+        """Yield messages about unknown keys, and about a lane in single brackets.
+
+        A lane in single brackets is then read as a list with one lane.
+        """
         yield from super().mistakes(table)
         if isinstance(table.get("lanes"), Mapping):
             table["lanes"] = [table["lanes"]]
@@ -395,12 +409,13 @@ class Scene(notebook_views.Moving, Table):
         return self
 
     def settings(self, **overrides: Any) -> dict[str, Any]:
-        """Return the keyword arguments for `physics.simulate`: those of the scene, replaced by all `overrides` that are
-        not None.
+        """Return the keyword arguments for `physics.simulate`. They are the settings of the scene, replaced by those
+        `overrides` that are not None.
 
         If another method is given, the step and the tolerance of the scene are ignored, because they were chosen for
-        its own method. The tolerance of a scene without a method applies to every method. A step without a method means
-        `conserving`, as in the window. `conserving` also replaces `accurate` if that cannot compute a lane.
+        the method of the scene. The tolerance of a scene without a method applies to every method. A step without a
+        method means `conserving`, as in the desktop window. `conserving` also replaces `accurate` if `accurate` cannot
+        compute a lane.
         """
         settings: dict[str, Any] = {"duration": self.duration}
         if overrides.get("method") in (None, self.method):
@@ -415,7 +430,7 @@ class Scene(notebook_views.Moving, Table):
         return {key: value for key, value in settings.items() if value is not None}
 
     def to_toml(self) -> str:
-        """Return the text of a scene file that describes an equal scene. Keys with default values are omitted."""
+        """Return the text of a scene file that describes an equal scene. Keys with default values are left out."""
         import tomli_w
 
         return tomli_w.dumps(self.model_dump(exclude_defaults=True))
@@ -427,8 +442,9 @@ class Scene(notebook_views.Moving, Table):
     __str__ = __repr__
 
     def live(self, slow: float | None = None) -> Any:
-        """Return the page with the live simulation of the scene, for a cell of a notebook.
+        """Return a page with the live simulation of the scene, for a cell of a notebook.
 
-        With the extra [widget], its attribute `state` follows the page, and its method `set` changes the settings.
+        With the extra [widget], the page has an attribute `state`, which follows the simulation, and a method `set`,
+        which changes the settings.
         """
         return notebook_views.live_of(self, slow)

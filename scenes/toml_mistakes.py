@@ -1,6 +1,7 @@
-"""Common syntax errors of TOML files: report the line and the correction, and repair the text to find further errors.
+"""Messages about common syntax errors of TOML files. They contain the line of the error and its correction.
 
-A repair is used only if the parser gets further with it, so a hint never contradicts the parser.
+The text is repaired to find further errors. A repair is used only if the parser then gets further. A hint therefore
+never contradicts the parser.
 
 Tests: tests/scenes/test_file_mistakes.py
 """
@@ -15,33 +16,33 @@ from typing import Any, NamedTuple
 
 from softcradle.physics.messages import Message
 
-# Largest number of syntax errors reported for one file. A file with more is not a scene file.
+# Largest number of syntax errors reported for one file. A file with more errors is probably not a scene file.
 MOST_ERRORS = 20
-# Largest number of characters of a line in a message.
+# Largest number of characters of a line that a message shows.
 MOST_SHOWN = 60
-# Number of lines that are searched upwards for an open bracket.
+# Number of lines above an error that are searched for an open bracket.
 MOST_LINES_UP = 50
 
 POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 STRING = re.compile(r'"(?:\\.|[^"\\])*"|\'[^\']*\'|#.*')
 TYPOGRAPHIC = dict.fromkeys("“”„‟«»", '"') | dict.fromkeys("\u2018\u2019\u201a\u201b", "'")
 NUMBER = r"[-+]?\d[\d_]*(?:\.\d+)?(?:[eE][-+]?\d+)?"
-# Lookahead for the end of a value in a line: a comma, a closing bracket, a comment or the end of the line.
+# Lookahead pattern for the end of a value: a comma, a closing bracket, a comment or the end of the line.
 END = r"(?=\s*(?:[,}\]#]|$))"
 BRACKETS = {"[": "]", "{": "}"}
 
 
 class Repair(NamedTuple):
-    """Repaired line with a hint about its error."""
+    """Repaired line, and a hint about the error in it."""
 
     line: str
     hint: Message
 
 
 def read_toml(text: str) -> tuple[dict[str, Any] | None, list[str]]:
-    """Return the table in `text` and a sentence for each syntax error.
+    """Return the table in `text`, and a sentence for each syntax error.
 
-    The table is that of the repaired text, or None if an error could not be repaired.
+    The table is read from the repaired text. It is None if an error could not be repaired.
     """
     problems: list[str] = []
     while len(problems) < MOST_ERRORS:
@@ -77,7 +78,7 @@ class SyntaxProblem(NamedTuple):
     column: int
 
     def plain_hint(self) -> str:
-        """Return a hint. For an unknown problem, return the English message of the parser."""
+        """Return a hint about the error. For an unknown error, return the English message of the parser."""
         if self.words.startswith("Unclosed"):
             bracket = "}" if "inline table" in self.words else "]"
             return Message("open_bracket", "a closing {bracket} is missing in this line or above it", bracket=bracket)
@@ -87,7 +88,7 @@ class SyntaxProblem(NamedTuple):
 
 
 def _syntax_error(text: str) -> dict[str, Any] | SyntaxProblem:
-    """Return the table in `text`, or the first error in it."""
+    """Return the table in `text`, or the first syntax error if there is one."""
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -104,7 +105,7 @@ def _syntax_error(text: str) -> dict[str, Any] | SyntaxProblem:
 
 
 def _sentence(hint: str, lines: list[str], line: int, column: int | None = None) -> str:
-    """Return the hint with the number and the text of its line."""
+    """Return the hint together with the number and the text of its line."""
     shown = lines[line].strip()
     shown = shown if len(shown) <= MOST_SHOWN else shown[: MOST_SHOWN - 3] + "..."
     text = f": {shown}" if shown else ""
@@ -121,7 +122,7 @@ def _sentence(hint: str, lines: list[str], line: int, column: int | None = None)
 
 
 def _working_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[int, Repair]]:
-    """Yield those repairs, with the number of their line, with which the parser gets further."""
+    """Yield the repairs with which the parser gets further, each with the number of its line."""
     for at, repair in _possible_repairs(lines, error):
         changed = [*lines[:at], repair.line, *lines[at + 1 :]]
         left = _syntax_error("\n".join(changed))
@@ -131,7 +132,10 @@ def _working_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[i
 
 
 def _possible_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[int, Repair]]:
-    """Yield possible repairs of the line with the error, then of a line above it with an open bracket."""
+    """Yield possible repairs of the line with the error.
+
+    Then yield possible repairs of a line above it that contains an open bracket.
+    """
     for repairs in REPAIRS:
         for repair in repairs(lines[error.line]):
             if repair.line != lines[error.line]:
@@ -147,12 +151,12 @@ def _possible_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[
 
 
 def _masked(line: str) -> str:
-    """Return the line with placeholders for the characters of quoted text and comments. The length stays the same."""
+    """Return the line with placeholders for all characters of quoted text and comments. Its length does not change."""
     return STRING.sub(lambda found: found[0][0] + "_" * (len(found[0]) - 2) + found[0][-1], line)
 
 
 def _edited(line: str, pattern: str, change: Callable[[re.Match[str]], str]) -> tuple[str, re.Match[str] | None]:
-    """Return the line with each match outside of quotes replaced, and the first match."""
+    """Replace each match of `pattern` outside of quotes. Return the new line and the first match."""
     found = list(re.finditer(pattern, _masked(line)))
     for match in reversed(found):
         line = line[: match.start()] + change(match) + line[match.end() :]
@@ -160,7 +164,7 @@ def _edited(line: str, pattern: str, change: Callable[[re.Match[str]], str]) -> 
 
 
 def _before_comment(line: str, end: str) -> str:
-    """Return the line with `end` inserted after its last value."""
+    """Return the line with the text `end` inserted after its last value, before any comment."""
     comment = re.search(r"\s*(?:#.*)?$", _masked(line))
     at = len(line) if comment is None else comment.start()
     return line[:at] + end + line[at:]
@@ -233,7 +237,7 @@ def _missing_comma(line: str) -> Iterator[Repair]:
 
 
 def _in_quotes(text: str) -> Message:
-    """Return the hint to put `text` in quotes."""
+    """Return a hint that `text` must be put in quotes."""
     return Message("quoted_text", 'put text in quotes: "{text}"', text=text)
 
 
@@ -260,7 +264,7 @@ def _missing_quote(line: str) -> Iterator[Repair]:
         yield Repair(line[: start.end()] + '"' + line[start.end() :], hint)
 
 
-# The order matters: a repair of a special mistake comes before a general repair that would also change its line.
+# The order matters. A repair of a special mistake must come before a general repair that would also change the line.
 REPAIRS = (
     _typographic_quotes,
     _colon,

@@ -1,4 +1,4 @@
-"""Base class of all tables in a scene file, and types for their numbers, including fractions such as "1/14"."""
+"""Base class of all tables in a scene file, and types for their numbers, which can be fractions such as "1/14"."""
 
 import difflib
 import math
@@ -28,17 +28,16 @@ FRACTION = re.compile(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*")
 
 
 class Table(BaseModel):
-    """Immutable table of a scene file. Every problem in it is reported, not only the first one."""
+    """Immutable table of a scene file. All problems of a table are reported, not only the first one."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=False)
 
     @classmethod
     def mistakes(cls, table: dict[str, Any]) -> Iterator[str]:
-        """Yield a sentence for each mistake that can be found before the values are checked, and correct or remove it
-        in `table`.
+        """Yield a sentence for each mistake that is found before the values are checked.
 
-        If the intended name of a misspelt key is clear, its value is stored under this name, so that it is checked as
-        well.
+        The mistake is corrected or removed in `table`. If a key is misspelt and its intended name is clear, the value
+        is stored under this name. The value is then checked as well.
         """
         for key in list(table):
             if key not in cls.model_fields:
@@ -50,7 +49,7 @@ class Table(BaseModel):
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
-        """Return the keys that belong to another table of the file, each with a Message about the place of that table."""
+        """Return the keys that belong to another table of the file. Each has a Message about where to write it."""
         return {}
 
     @model_validator(mode="wrap")
@@ -70,12 +69,12 @@ class Table(BaseModel):
 
 
 def sentence_details(sentence: str, value: Any) -> InitErrorDetails:
-    """Return a problem in the form in which pydantic collects problems."""
+    """Return the sentence of a problem in the form that pydantic uses to collect problems."""
     return InitErrorDetails(type=problem(sentence), loc=(), input=value)
 
 
 def details_again(detail: ErrorDetails) -> InitErrorDetails:
-    """Return a problem that pydantic reported, in the form in which it can be raised again."""
+    """Convert a problem that pydantic reported to a form that can be raised again."""
     kind: str | PydanticCustomError = detail["type"]
     if kind == "scene":
         kind = problem(detail["ctx"]["sentence"])
@@ -83,7 +82,7 @@ def details_again(detail: ErrorDetails) -> InitErrorDetails:
 
 
 def raise_problems(title: str, sentences: Iterable[str], value: Any) -> None:
-    """Raise a ValidationError with each different sentence. Do nothing if `sentences` is empty."""
+    """Raise a ValidationError with all different sentences. Do nothing if `sentences` is empty."""
     found = [sentence_details(sentence, value) for sentence in dict.fromkeys(sentences)]
     if found:
         raise ValidationError.from_exception_data(title, found)
@@ -92,7 +91,10 @@ def raise_problems(title: str, sentences: Iterable[str], value: Any) -> None:
 def unknown_key(
     key: str, table: Mapping[str, Any], allowed: Iterable[str], elsewhere: Mapping[str, str]
 ) -> tuple[str, str | None]:
-    """Return the sentence about an unknown key of the table, and the key that was probably meant, or None."""
+    """Return a sentence about an unknown key of the table.
+
+    Also return the key that was probably meant, or None.
+    """
     if key in elsewhere:
         return Message("misplaced_key", "key {key!r} belongs {place}", key=key, place=elsewhere[key]), None
     words = list(allowed)
@@ -106,12 +108,14 @@ def unknown_key(
 
 
 def problem(sentence: str) -> PydanticCustomError:
-    """Return a validation error with this sentence. The place in the file is put before the sentence."""
+    """Return a validation error with this sentence. The message begins with the place in the file."""
     return PydanticCustomError("scene", "{sentence}", {"sentence": sentence})
 
 
 def suggestion(word: str, allowed: Iterable[str]) -> Message:
-    """Return the end of a sentence about an unknown `word`: the closest allowed word, then all allowed words."""
+    """Return the end of a sentence about an unknown `word`. It contains the most similar allowed word and all allowed
+    words.
+    """
     words = list(allowed)
     near, allowed = difflib.get_close_matches(word, words, n=1), ", ".join(words)
     if near:
@@ -120,7 +124,7 @@ def suggestion(word: str, allowed: Iterable[str]) -> Message:
 
 
 def unknown_law(law: object, laws: Iterable[str]) -> Message:
-    """Return the sentence about an unknown law of a contact."""
+    """Return a sentence about an unknown contact law."""
     return Message("law", "unknown law {law!r}{suggestion}", law=law, suggestion=suggestion(str(law), laws))
 
 
@@ -141,19 +145,19 @@ def _fraction(value: Any) -> Any:
 
 
 def _wall(value: Any, info: ValidationInfo) -> Any:
-    """Convert null in JSON to infinity, the mass of a wall, because JSON cannot represent infinity."""
+    """Convert null in JSON to infinity, the mass of a wall. JSON cannot represent infinity."""
     return math.inf if value is None and info.mode == "json" else value
 
 
-# One value for all items, or a list of values. `softcradle.scenes.scene_errors` omits the tags in brackets from places
-# in the file.
+# One value for all items, or a list of values. pydantic adds the tags to the places of problems.
+# `softcradle.scenes.scene_errors` removes them.
 OneOrMany = Annotated[
     Annotated[Item, Tag("(one)")] | Annotated[tuple[Item, ...], Tag("(many)")],
     Discriminator(lambda value: "(many)" if isinstance(value, list | tuple) else "(one)"),
 ]
 
-# BeforeValidators run from right to left, and a constraint must follow its type. Therefore the conversion of fractions
-# is last.
+# BeforeValidators run from right to left, and a constraint must follow its type. Therefore the validator that converts
+# fractions is last.
 Number = Annotated[float, Strict(), BeforeValidator(_fraction)]
 Positive = Annotated[float, Strict(), Field(gt=0), BeforeValidator(_fraction)]
 NotNegative = Annotated[float, Strict(), Field(ge=0), BeforeValidator(_fraction)]
