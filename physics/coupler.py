@@ -39,8 +39,8 @@ class Coupler(PiecewiseContact):
     travel : float, optional
         Displacement [m] at which a gear becomes solid, both for pushing and for pulling. It is infinite by default.
     stop : float, optional
-        Stiffness [N/m] of the stop beyond the travel. The force of the stop adds to that of the gear and does not
-        dissipate energy.
+        Stiffness [N/m] of the stop beyond the travel. The force of the stop adds to the force of the gear and does
+        not dissipate energy.
     coupled : bool, optional
         True if the coupler is coupled at the start. If False, it cannot pull until its beads have met. None means
         that it is coupled unless the gap at the start is larger than the slack. Beads that touch at the start are

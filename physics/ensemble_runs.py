@@ -41,7 +41,7 @@ def ensemble(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Trajectory]:
-    """Simulate many chains in parallel. The results are bitwise equal to those of `simulate`.
+    """Simulate many chains in parallel. The results are bitwise equal to the results of `simulate`.
 
     Each Trajectory contains its warnings. No Python warnings are issued.
 
@@ -87,7 +87,7 @@ def ensemble(
         return [solve(chains[k], velocities[k], durations[k], method, steps[k], samples, tolerance) for k in indices]
 
     tell = progress or (lambda count: None)
-    # Run the first chain alone, which loads the kernels. Otherwise all threads would wait for them.
+    # Run the first chain before all others, which loads the kernels. Otherwise all threads would wait for the kernels.
     found = part(range(min(1, count)))
     if found:
         tell(1)

@@ -77,7 +77,7 @@ def law_rows(chain: Chain) -> Array:
 def graph_rows(chain: Chain) -> tuple[Any, ...]:
     """Return the fields of Graphs, except `coupled`.
 
-    The arrays have no rows if each contact is a single power law that starts at overlap 0.
+    The arrays are empty if each contact is a single power law that starts at overlap 0.
     """
     if not (chain.has_segments or chain.own_laws):
         kind, _, *rows = NO_GRAPHS
@@ -125,7 +125,7 @@ def graphs_of(chain: Chain, state: State) -> Graphs:
 
 
 def knots_of(chain: Chain, state: State) -> Knots:
-    """Return the breakpoints of time-dependent forces and brakes. The arrays have no rows for other chains."""
+    """Return the breakpoints of time-dependent forces and brakes. The arrays are empty for other chains."""
     if not chain.timed:
         return NO_KNOTS
     push, beads = state.external(chain), chain.contacts + 1
@@ -135,7 +135,7 @@ def knots_of(chain: Chain, state: State) -> Knots:
 
 
 def strings_of(chain: Chain) -> Strings:
-    """Return the record of the strings. Its arrays have no rows for a chain without strings."""
+    """Return the record of the strings. Its arrays are empty for a chain without strings."""
     return Strings(np.append(*rest_of(chain)), chain.swing) if chain.swing else NO_STRINGS
 
 

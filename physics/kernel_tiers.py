@@ -192,7 +192,8 @@ class KernelTiers:
             self._lock.write_text(f"{self._process.pid} {niceness}")
             # A thread waits for the end of the process, so that it does not become a zombie.
             threading.Thread(target=self._process.wait, name="reap compiler", daemon=True).start()
-        # There is no space or no permission to write. This process compiles later, when it needs the machine code.
+        # The disk is full, or the permission to write is missing. This process compiles later, when it needs the
+        # machine code.
         except OSError:
             return False
         return True

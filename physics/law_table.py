@@ -87,8 +87,8 @@ class LawTable(NamedTuple):
     def overlap(self, coefficients: Array, value: float) -> float:
         """Return the overlap [m] at which the force or the energy reaches `value`.
 
-        `coefficients` are those of the force or of the energy. If the value is never reached, return inf, or the last
-        edge if the law has no values beyond it.
+        `coefficients` are those of the force or of the energy. If the value is never reached, return inf. If the law is
+        undefined beyond the last edge, return the last edge.
         """
         piece = int(np.searchsorted(coefficients.sum(axis=1), value))
         if piece == len(coefficients):
@@ -105,7 +105,7 @@ class LawTable(NamedTuple):
 
 
 def law_table(force: Force) -> LawTable:
-    """Return the table of `force`. It ends where the force is no longer finite.
+    """Return the table of `force`. It ends at the overlap above which the force is not finite.
 
     The function `force` takes an array of overlaps > 0. It returns NaN for overlaps at which it cannot be evaluated.
     """

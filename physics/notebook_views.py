@@ -76,8 +76,8 @@ class Moving(Shown):
     """Base class of Trajectory and Scene, which can be plotted and played."""
 
     def plot(self) -> Figure:
-        """Plot velocities and forces over time, for each lane of a scene. The style is that of the figures in the
-        paper.
+        """Plot velocities and forces over time. Each lane of a scene gets its own curves. The style is that of the
+        figures in the paper.
 
         This requires the extra [figures].
         """

@@ -139,7 +139,7 @@ class OwnLaw:
 
     @property
     def name(self) -> str:
-        """Name of the law. It is the name of its function or class, or "own law" for a lambda function."""
+        """Name of the law: the name of its function or class. A lambda function gets the name "own law"."""
         name = str(getattr(self.law, "__name__", type(self.law).__name__))
         return "own law" if name == "<lambda>" else name
 

@@ -264,8 +264,8 @@ def _passed_on(chain: Chain, drives: Array) -> Array:
 
 
 def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> tuple[Array, Array]:
-    """Return estimates (n,) of the largest overlap [m] and of the contact time [s], as if each contact were struck
-    alone.
+    """Return estimates (n,) of the largest overlap [m] and of the contact time [s], as if each contact were the only
+    one that is struck.
 
     The speed is the largest speed within `duration` [s]. The overlap d follows from the energy balance ``F d + K
     d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu. It is approximated by the smaller of the two solutions in
@@ -278,7 +278,7 @@ def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = N
 def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Array | float) -> Array:
     """Return the overlaps [m], any shape, at which contacts store `energy` [J].
 
-    The result is the smaller of two solutions: for the preload alone, and for the power law alone.
+    The result is the smaller of two solutions: one for the preload only, and one for the power law only.
     """
     with np.errstate(divide="ignore"):
         by_power = powers((1.0 + exponent) * energy / stiffness, 1.0 / (1.0 + exponent))

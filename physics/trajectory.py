@@ -59,8 +59,8 @@ class Trajectory(Moving):
     """Result of a simulation: samples of the motion, the times at which each contact closed and opened, and the cost.
 
     `velocity_error` is the estimated error of `final_velocity`. `position_error` is the estimated error of the
-    positions. Velocities at samples, and contact times, have no error estimate. Their errors are larger while contacts
-    push, or if contacts close slowly. Compare runs at two tolerances to measure these errors.
+    positions. Errors of velocities at samples and of contact times are not estimated. Their errors are larger while
+    contacts push, or if contacts close slowly. Compare runs at two tolerances to measure these errors.
 
     Attributes
     ----------

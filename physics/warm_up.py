@@ -54,7 +54,7 @@ def _kernels_called(name: str) -> list[KernelTiers]:
 
 
 def kernels_of(method: Method) -> KernelTiers | None:
-    """Return the kernels of a method, or None if it has no kernels."""
+    """Return the kernels of a method, or None for a method without kernels."""
     if method.family is Family.FIXED_STEP:
         from softcradle.physics.fixed_step.runner import TIERS
 

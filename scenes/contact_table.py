@@ -178,7 +178,7 @@ def table_of(contact: physics.Contact | physics.Coupler, accuracy: float = 0.0) 
 
 
 def law_of(contact: physics.Contact, accuracy: float = 0.0) -> Law:
-    """Return the table of a contact law. Its kind is the most special one that describes `contact`.
+    """Return the table of a contact law. The table uses the most special kind of contact that describes `contact`.
 
     `accuracy` is the allowed relative error of the preload.
     """

@@ -34,10 +34,10 @@ class KeptSteps:
     """Stored steps of a run, and the samples computed from them.
 
     Attributes:
-        steps: rows that the kernel fills. The array has no rows if no samples are wanted.
-        known: whether the sample times were known at the start.
-        ends: whether only the start and the end of the run are wanted as samples.
-        overflows: whether the run had more steps than the memory limit allows.
+        steps: rows that the kernel fills. The array is empty if samples are not wanted.
+        known: True if the sample times were known at the start.
+        ends: True if the only wanted samples are the start and the end of the run.
+        overflows: True if the run had more steps than the memory limit allows.
     """
 
     def __init__(self, problem: Problem, wanted: float, tiers: KernelTiers, spare: list[Steps]) -> None:
@@ -117,8 +117,8 @@ class KeptSteps:
             self._want(times)
             for steps, count in self._chunks:
                 self._sample(steps, count)
-        # Samples after the last stored step: the beads move with constant velocities. If the run gave up, there are no
-        # samples after its last step.
+        # Samples after the last stored step: the beads move with constant velocities. If the run gave up, the samples
+        # end at its last step.
         state, done, rows = found.end, int(self._log.counter[SAMPLE]), self.times.size
         if found.status.gave_up:
             rows = max(done, int(np.searchsorted(self.times, state.time, side="right")))

@@ -40,7 +40,7 @@ USUAL_TOLERANCE = 1e-8
 
 
 def usual_budget(contacts: int, tolerance: float) -> int:
-    """Return the step budget for a motion that has no fixed duration."""
+    """Return the step budget for a motion without a fixed duration."""
     budget = CONTACT_STEPS / contacts + STEPS_A_CONTACT * (contacts + 16)
     return int(min(budget * _finer(tolerance), MOST_STEPS))
 

@@ -143,7 +143,7 @@ def meets_freely(chain: Chain, struck: int) -> bool:
 def speed_ratio(chain: Chain, struck: int, speed: float) -> float | None:
     """Return the ratio V/v_c of the closing speed to the critical speed for a chain of equal draft gears.
 
-    Contact `struck` closes at `speed` [m/s]. The result is None if the chain has no critical speed.
+    Contact `struck` closes at `speed` [m/s]. The result is None for a chain without a critical speed.
     """
     gear = common_law(chain)
     if gear is None or gear.exponent != 1.0 or gear.preload == 0.0 or gear.stiffness == 0.0:

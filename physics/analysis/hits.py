@@ -54,15 +54,17 @@ def hits(trajectory: Trajectory) -> NDArray[np.void]:
     Returns
     -------
     ndarray
-        Structured array with the columns contact, begin [s], end [s], impulse [N s], closing_speed [m/s], largest_force [N] and
-        energy_lost [J]. Without a wall on one side, and without a bed, the impulse follows from the momentum of that side.
+        Structured array with the columns contact, begin [s], end [s], impulse [N s], closing_speed [m/s], largest_force
+            [N] and
+        energy_lost [J]. Without a wall on one side, and without a bed, the impulse follows from the momentum of that
+            side.
         Otherwise it is the integral of the force over the samples. `pandas.DataFrame(table)` makes a data frame of it.
 
     Raises
     ------
     ValueError
-        If the samples do not begin at t = 0, if the run gave up, or if the motion was not computed by :func:`simulate` alone, so
-        that it cannot be repeated (a motion played by hand).
+        If the samples do not begin at t = 0, if the run gave up, or if the motion cannot be repeated. Only a motion
+        that was completely computed by :func:`simulate` can be repeated, not a motion that was played by hand.
     """
     if trajectory.time.size == 0 or trajectory.time[0] != 0.0:
         raise ValueError("hits need the start of the motion: let the samples begin at t = 0")

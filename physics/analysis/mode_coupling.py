@@ -101,8 +101,9 @@ class Reduction:
         return np.concatenate((before[:first], np.ones(last - first), beyond[last:]))
 
     def overlaps(self, overlap: Array, rate: Array) -> tuple[Array, Array]:
-        """Return the overlaps and rates (T, n) of the whole chain, from those of the reduced chain (T, r), Eqs. (7),
-        (A1).
+        """Return the overlaps and rates (T, n) of the whole chain, Eqs. (7), (A1).
+
+        They follow from `overlap` and `rate` (T, r) of the reduced chain.
 
         If the mode of a cluster is open, the cluster transmits no force, and its overlaps are 0.
         """

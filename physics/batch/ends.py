@@ -111,9 +111,9 @@ def ensemble_ends(
 ) -> EnsembleEnds:
     """Simulate very many short chains of one shape, and return the ends of their motions as arrays.
 
-    The results are bitwise equal to those of `simulate`. Compiled code runs most chains one after the other, on all
-    cores. `simulate` runs the chains with a drive or with overlaps at the start. It also runs the chains that need more
-    than one run, because their contacts chatter or because their errors have grown. The function does not issue
+    The results are bitwise equal to the results of `simulate`. Compiled code runs most chains one after the other, on
+    all cores. `simulate` runs the chains with a drive or with overlaps at the start. It also runs the chains that need
+    more than one run, because their contacts chatter or because their errors have grown. The function does not issue
     warnings. Check `status` and `velocity_error`, and run doubtful chains ``batch.chain(k)`` with `simulate`.
 
     Parameters

@@ -54,7 +54,7 @@ def kinetic_energy(bodies: Iterable[pymunk.Body]) -> float:
     """Return the kinetic energy [J] that the contacts between `bodies` can absorb.
 
     The velocities are relative to a body that contacts cannot move. If there are several such bodies, the one with the
-    largest result is used. If there is none, the velocities are relative to the centre of mass.
+    largest result is used. Without such a body, the velocities are relative to the centre of mass.
     """
     found = list(bodies)
     moving = [body for body in found if body.body_type == pymunk.Body.DYNAMIC]

@@ -84,7 +84,8 @@ class SoftContact(pymunk.DampedSpring):
     Raises
     ------
     ValueError
-        The distance is not a finite number > 0, an anchor is not two finite numbers, or `contact` has no force.
+        The distance is not a finite number > 0, an anchor is not two finite numbers, or `contact` does not define a
+        force.
     RuntimeError
         `native` is True, but compiled code is not available. The message contains the reason.
 
@@ -465,7 +466,7 @@ def _checked_anchor(name: str, anchor: Pair) -> Pair:
 def _scalar_law(contact: LawLike) -> Callable[[float], float]:
     """Return the force as a plain Python function of an overlap > 0.
 
-    Its results are bitwise equal to those of softcradle.physics.numerics.law_kernels.
+    Its results are bitwise equal to the results of softcradle.physics.numerics.law_kernels.
     """
     if not is_law(contact):
         raise ValueError(

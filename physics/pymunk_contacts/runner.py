@@ -64,7 +64,7 @@ class Row:
         self.taken, self.finite = np.zeros(4), np.isfinite(chain.mass)
 
     def write(self, state: State) -> None:
-        """Set the positions and velocities of the bodies to those of the beads in `state`."""
+        """Set the positions and velocities of the bodies to the values of the beads in `state`."""
         positions, velocities = state.position(self.chain).tolist(), state.velocity(self.chain).tolist()
         for body, position, velocity in zip(self.bodies, positions, velocities, strict=True):
             body.position = position, 0.0

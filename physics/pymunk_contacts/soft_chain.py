@@ -101,9 +101,9 @@ class SoftChain:
     steps: the chain continues from the new values. Copies and pickles of the Space include the chain, and `of` finds it
     in the copy. `state` and `restore` roll back only the chain. A body can belong to one SoftChain only.
 
-    Joints of pymunk have errors of their own. Example: a pendulum on a PinJoint, released at 0.5 rad, runs for 60 s
-    with steps of 1/240 s. In plain pymunk it loses 5.5 % of its energy. A cradle of five such pendulums with a
-    SoftChain loses 4.1 %.
+    The joints of pymunk also have errors. Example: a pendulum on a PinJoint, released at 0.5 rad, runs for 60 s with
+    steps of 1/240 s. In plain pymunk it loses 5.5 % of its energy. A cradle of five such pendulums with a SoftChain
+    loses 4.1 %.
 
     Parameters
     ----------
@@ -452,7 +452,7 @@ class SoftChain:
         self._acted *= step / before
         self._step = step
         call_after_step(link, lambda: self._end_step(link))
-        # The two bodies have the same position, so pymunk has no direction for a force.
+        # The two bodies have the same position, so the direction of a force is undefined.
         at_one_place = np.flatnonzero(~self._direction.any(axis=1)).tolist()
         if apart := [*self._gone, *at_one_place]:  # Keep these contacts open during the step, wherever the bodies are.
             fastest = np.abs(outside.velocity).max() + np.abs(outside.expected).max()
@@ -504,7 +504,7 @@ class SoftChain:
                 raise RuntimeError(
                     f"body {i} of a SoftChain is not in the Space, a contact of it is: add it, or chain.remove_from(space, body)"
                 )
-        # A contact between two bodies that cannot move has no solution.
+        # A contact between two bodies that cannot move cannot be solved.
         for i in range(len(self._links)):
             if i not in self._gone and all(body.body_type != pymunk.Body.DYNAMIC for body in self.bodies[i : i + 2]):
                 raise RuntimeError(

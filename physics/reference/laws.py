@@ -1,8 +1,8 @@
 """Contact laws of a chain for the reference solution. Segments use NumPy, user-defined laws call their functions.
 
 A contact has one row of arrays for its pushing segments and one row for its pulling segments. The displacement of a row
-is side (d - origin), where d is the overlap and the origin is that of its first segment. The sections of a row are its
-segments.
+is side (d - origin). Here d is the overlap, and `origin` belongs to the first segment of the row. The sections of a row
+are its segments.
 """
 
 from __future__ import annotations

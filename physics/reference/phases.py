@@ -16,7 +16,8 @@ the stiffness, a the exponent, l the loss, R the largest friction, and C the cap
 A side with several segments is on one of them. A phase ends when it passes on to the next segment. A pulling side is
 OPEN until its coupler has coupled.
 
-    d' = w,   w' = B M^-1 (push - B^T f)          B: (p, n+1), the velocities of the rows from those of the beads
+    d' = w,   w' = B M^-1 (push - B^T f)          B: (p, n+1), maps the velocities of the beads to the
+    velocities of the rows
 
 On strings, the term omega² (r - d) is added to w', where r is the overlap at rest.
 
@@ -96,8 +97,8 @@ class System:
         self.bed = chain.finite_mass * GRAVITY * chain.friction
         self.rest, self.place = rest_of(chain)  # Overlaps and anchor position of beads on strings at rest
         self.first = np.unique(laws.joint, return_index=True)[1]  # the pushing side of each joint
-        # Matrix that maps the velocities of beads to those of constraints. Its rows are differences of neighbours. On a
-        # bed, it also has a row for each bead.
+        # Matrix that maps the velocities of beads to the velocities of constraints. Its rows are differences of
+        # neighbours. On a bed, it also has a row for each bead.
         difference = np.eye(self.n, self.n + 1) - np.eye(self.n, self.n + 1, 1)
         contacts = laws.side[:, None] * difference[laws.joint]
         self.rows = np.vstack((contacts, np.eye(self.n + 1))) if chain.on_bed else contacts
@@ -369,7 +370,7 @@ class Phase:
 
 
 def first_phase(system: System, span: Span, time: float, y: Array) -> Phase:
-    """Return the phase at the start of a run, from overlaps and velocities alone."""
+    """Return the phase at the start of a run. Overlaps and velocities determine it."""
     m = system.m
     mode = np.full(system.rows.shape[0], FREE, dtype=np.int8)
     backs = (system.laws.loss_in(system.section(y)) > 0.0) & (system.row_velocity(y)[:m] < 0.0)
@@ -382,7 +383,7 @@ def first_phase(system: System, span: Span, time: float, y: Array) -> Phase:
 def switched_phase(phase: Phase, time: float, y: Array) -> Phase:
     """Return the phase right after a switch.
 
-    The constraints that switch are those that are closest to their switch, or beyond it.
+    The constraints closest to their switch, or beyond it, are the ones that switch.
     """
     by_overlap, by_velocity, inside = phase.guards(time, y)
     past = max(0.0, float(min(by_overlap.min(), by_velocity.min(), inside.min(), phase.by_section(y).min())))

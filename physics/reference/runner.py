@@ -185,7 +185,7 @@ class _Run:
             slope, (0.0, (end - start) / scale), self.y, STIFF if stiff else SMOOTH, events=margin,
             rtol=system.relative, atol=system.absolute, dense_output=True, **({"jac": jacobian} if stiff else {}),
         )  # fmt: skip
-        if found.t.size == 1:  # The integrator did not finish any step, so there is no dense solution.
+        if found.t.size == 1:  # The integrator did not finish any step, so a dense solution does not exist.
             self._give_up(Status.FAILED, f"scipy failed at t = {start:.6g} s: {found.message}")
             return
         self.steps += found.t.size - 1
