@@ -1,6 +1,6 @@
 """Files and folders that are written either completely or not at all.
 
-They are created under a temporary name and then moved to their final place.
+A file or folder is created under a temporary name and then moved to its final place.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ TOLD = 16
 
 @contextmanager
 def output_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield a temporary path with the suffix of `path`. Its file replaces `path` when the block ends without an error.
+    """Yield a temporary path with the suffix of `path`. The temporary file replaces `path` when the block ends without
+    an error.
 
     The empty temporary file is created before the block begins. A missing write permission is therefore reported before
     any work is done. The temporary name is unique. If several processes write to one path, the result of the last one
@@ -63,7 +64,7 @@ def _written_through(target: Path) -> Iterator[Path]:
 
 @contextmanager
 def output_folder(path: str | os.PathLike[str], replaces: bool = False) -> Iterator[Path]:
-    """Yield an empty temporary folder. It is renamed to `path` when the block ends without an error.
+    """Yield an empty temporary folder. The folder is renamed to `path` when the block ends without an error.
 
     If `replaces` is True, an existing folder at `path` is replaced when the new folder is complete.
 
@@ -119,7 +120,7 @@ def _made_beside(place: Path, target: Path, make: Callable[[Path], None]) -> Pat
     temporary = _hidden_sibling(target, place.parent)
     try:
         with suppress(FileNotFoundError):
-            # This raises an error if the file system does not accept the name, for example if it is too long.
+            # This call raises an error if the file system does not accept the name, for example if it is too long.
             place.lstat()
         make(temporary)
     except OSError as error:
@@ -130,7 +131,7 @@ def _made_beside(place: Path, target: Path, make: Callable[[Path], None]) -> Pat
 def _hidden_sibling(target: Path, folder: Path) -> Path:
     """Return a unique temporary name in the folder of `target`.
 
-    The folder is the same because a move is atomic only within one file system.
+    A temporary file must lie in this folder, because a move is atomic only within one file system.
     """
     return folder / f".{target.stem[:TOLD]}.{secrets.token_hex(8)}.part{target.suffix}"
 

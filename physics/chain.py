@@ -32,12 +32,13 @@ Array = NDArray[np.float64]
 T = TypeVar("T")
 
 Joint = Contact | OwnLaw | PiecewiseContact  # Any contact between two beads, as a chain stores it.
-# Any contact that the constructor of Chain accepts. It includes a user-defined law that is not yet an OwnLaw.
+# Any contact that the constructor of Chain accepts. A user-defined law that is not yet an OwnLaw is included.
 OneLaw = Contact | PiecewiseContact | Law | Callable[[float], SupportsFloat]
 Laws = OneLaw | Sequence[OneLaw]  # One contact for all pairs of neighbours, or one contact for each pair.
 
 MOST_SHOWN = 4  # Largest number of different values in the text that describes a chain.
-MOST_BEADS = 10_000_000  # Largest number of beads of a cluster. It prevents a typing error from exhausting the memory.
+# Largest number of beads of a cluster. This limit prevents a typing error from exhausting the memory.
+MOST_BEADS = 10_000_000
 ADJACENT_WALLS = Message("adjacent_walls", "two walls side by side: a contact between them could never be solved")
 GRAVITY = 9.80665  # Standard gravity [m/s²]. Bed friction and the restoring force of strings are proportional to it.
 
@@ -45,8 +46,8 @@ GRAVITY = 9.80665  # Standard gravity [m/s²]. Bed friction and the restoring fo
 class per_chain(Generic[T]):  # noqa: N801 - it is written as a decorator
     """Decorator for a function of a chain whose result is computed once per chain and then stored.
 
-    It can decorate an attribute of Chain or a function with a chain as its only argument. The value is stored in the
-    `__dict__` of the chain. Python looks for an attribute in `__dict__` before it calls this descriptor.
+    The decorated function can be an attribute of Chain, or a function with a chain as its only argument. The value is
+    stored in the `__dict__` of the chain. Python looks for an attribute in `__dict__` before it calls this descriptor.
     """
 
     def __init__(self, compute: Callable[[Chain], T]) -> None:
@@ -86,12 +87,12 @@ class Chain(Shown):
     drive : array_like, shape (n+1,), optional
         Constant external force on each bead [N], which acts from t = 0 on. None means no force.
     friction : float, optional
-        Coulomb coefficient >= 0 of the bed. Friction holds a bead at rest with a force of up to
-        ``friction * mass * GRAVITY`` and brakes a sliding bead with this force. It does not act on walls.
+        Coulomb coefficient >= 0 of the bed. Friction holds a bead at rest with a force of up to ``friction * mass *
+        GRAVITY`` and brakes a sliding bead with this force. Friction does not act on walls.
     forces : TimedForce or sequence of them, optional
-        Time-dependent forces on chosen beads. They add to the drive.
+        Time-dependent forces on chosen beads. These forces add to the drive.
     brakes : TimedForce or sequence of them, optional
-        Time-dependent brakes on chosen beads. They act like friction, in addition to the bed.
+        Time-dependent brakes on chosen beads. A brake acts like friction, in addition to the bed.
     strings : float, optional
         Length [m] of the strings on which all beads hang, as in a Newton's cradle. None means no strings. Each bead
         swings about its place at the start with the angular frequency ``sqrt(gravity / strings)``. This formula
@@ -184,7 +185,7 @@ class Chain(Shown):
     def anchor(self) -> int:
         """Index of the reference bead, whose position and velocity are stored in the State.
 
-        It is the heaviest bead, or a wall if there is one.
+        The reference bead is the heaviest bead, or a wall if the chain has one.
         """
         return self.mass.index(max(self.mass))
 
@@ -304,7 +305,7 @@ class Chain(Shown):
     def inverse_reduced_mass(self) -> Array:
         """(n,) inverse reduced masses 1/m_i + 1/m_(i+1) [1/kg] of the two beads of each contact.
 
-        They are the diagonal of the matrix L = B M^-1 B^T.
+        These values are the diagonal of the matrix L = B M^-1 B^T.
         """
         return _read_only(self.inverse_mass[:-1] + self.inverse_mass[1:])
 
@@ -540,8 +541,8 @@ def cluster_on_cluster(m: int, n: int, contact: Laws, mass: ArrayLike = 1.0) -> 
 def accelerated_mass(mass: ArrayLike, struck: int) -> Array:
     """Return the (n,) mass [kg] that each contact accelerates, Eq. (5).
 
-    It is the mass of all beads that lie beyond the contact, seen from contact `struck`. The contact `struck` itself
-    accelerates the beads on its right.
+    The accelerated mass is the mass of all beads that lie beyond the contact, seen from contact `struck`. The contact
+    `struck` itself accelerates the beads on its right.
     """
     masses = np.asarray(mass, dtype=np.float64)
     right, left = np.cumsum(masses[::-1])[::-1][1:], np.cumsum(masses)[:-1]

@@ -12,8 +12,8 @@ errors, but round-off decides which of them yields.
 
 Some motions end with thousands of bounces at a millionth of the closing speed. These bounces do not determine any digit
 of the end that a finer run could confirm. The method `conserving` finishes such a motion in bounded time, because each
-of its steps conserves energy and momentum. Several of its runs with different steps are compared. Their difference
-shows how well the end is determined.
+of its steps conserves energy and momentum. Several of its runs with different steps are compared. The difference
+between these runs shows how well the end is determined.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ STEPS_ALIKE = 12_000
 # Energy balance
 SOFTEST = 0.02  # Exponent of contacts below which the energy balance also limits the error
 # Number of steps above which the change of energy gives a lower limit of the error. Local errors of many similar
-# bounces have the same sign. Their sum is then larger than the root of the sum of their squares.
+# bounces have the same sign. The sum of such errors is larger than the root of the sum of their squares.
 LONG_RUN = 10_000
 MOST_ENERGY = 100.0  # Largest relative error of the energy that is accepted without a warning, in tolerances
 
@@ -453,7 +453,7 @@ def _bound_by_energy(problem: Problem, record: Record) -> None:
 def _ledger(problem: Problem, record: Record) -> tuple[float, float]:
     """Return the energy [J] of a chain at the start, and the error of the energy [J] at the end.
 
-    Both are 0 if external work is done on the chain.
+    Both results are 0 if external work is done on the chain.
     """
     chain, start, end = problem.chain, problem.state, record.end
     # Without external work, the energy must stay constant. With external work, it is not checked.
@@ -481,7 +481,7 @@ def _unresolved(chain: Chain, change: float) -> float:
 
     The result is 0 unless contacts are so soft that they chatter. A cluster of such contacts is nearly rigid.
     Chattering far below the closing speed can be damped equally in every run, so a comparison of runs does not show it.
-    Its energy is at most the error of the energy balance.
+    The energy of the chattering is at most the error of the energy balance.
     """
     return float(np.sqrt(2.0 * change * chain.inverse_reduced_mass.max())) if _rattles(chain) else 0.0
 
@@ -501,8 +501,8 @@ def _energy_warning(problem: Problem, error: float) -> CodedWarning:
 
 
 def _uncertain_warning(record: Record) -> CodedWarning:
-    """Return the warning that the end of a motion is less accurate than the tolerance. It contains the cause and the
-    error.
+    """Return the warning that the end of a motion is less accurate than the tolerance. The warning contains the cause
+    and the error.
     """
     worst = float(record.velocity_error.max())
     if record.status == Status.UNDETERMINED:

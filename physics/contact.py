@@ -7,8 +7,8 @@ overlap d > 0   loaded    f = F + K * d**a
 Here f is the force, d the overlap, F the preload, K the stiffness and a the exponent. A contact is closed if it touches
 with a force > 0 or is loaded. Otherwise it is open.
 
-A contact with loss l has hysteresis: it returns less energy than it stores. It pushes with f during loading and with (1
-- l) f during unloading. While its overlap is constant, it pushes with any force between these two.
+A contact with loss l has hysteresis: it returns less energy than it stores. The contact pushes with f during loading
+and with (1 - l) f during unloading. While its overlap is constant, it pushes with any force between these two.
 """
 
 from __future__ import annotations
@@ -53,13 +53,13 @@ class Contact:
     Parameters
     ----------
     preload : float
-        Force F [N] at which the contact begins to yield. It is 0 for beads, and ``k * precompression`` for a draft
-        gear.
+        Force F [N] at which the contact begins to yield. The preload is 0 for beads, and ``k * precompression`` for
+        a draft gear.
     stiffness : float
-        Factor K of the power law [N / m**exponent]. It is 0 for the step force.
+        Factor K of the power law [N / m**exponent]. The stiffness is 0 for the step force.
     exponent : float
-        Exponent a of the overlap, from 1e-6 to 10; alpha in Eq. (2). It is 1 for Hooke's law and draft gears, and
-        3/2 for Hertz's law.
+        Exponent a of the overlap, from 1e-6 to 10; alpha in Eq. (2). The exponent is 1 for Hooke's law and draft
+        gears, and 3/2 for Hertz's law.
     loss : float, optional
         Fraction l in [0, 1) of the stored energy that the contact dissipates during unloading. With 0 the contact
         is elastic. For a coefficient of restitution e, the loss is ``1 - e**2``.
@@ -240,7 +240,8 @@ class Contact:
     def overlap(self, force: ArrayLike) -> Numbers:
         """Return the overlap [m] at which the contact pushes with `force` [N], any shape: ``((f-F)/K)**(1/a)``.
 
-        The result is 0 for a force up to the preload. It is infinite for a force that a step force cannot reach.
+        The result is 0 for a force up to the preload. The result is infinite for a force that a step force cannot
+        reach.
         """
         excess = np.maximum(np.asarray(force, dtype=np.float64) - self.preload, 0.0)
         if self.stiffness == 0.0:
@@ -319,7 +320,7 @@ def power_law(f0: float, alpha: float, loss: float = 0.0) -> Contact:
 
 @explained
 def draft_gear(stiffness: float, precompression: float, loss: float = 0.0) -> Contact:
-    """Return the contact of a draft gear, a spring behind a piston, Eq. (C1). Its preload is k Delta_0.
+    """Return the contact of a draft gear, a spring behind a piston, Eq. (C1). The preload of the contact is k Delta_0.
 
     The arguments are `stiffness` k > 0 [N/m] and `precompression` Delta_0 >= 0 [m].
     """
@@ -340,7 +341,7 @@ def hertz(stiffness: float, loss: float = 0.0) -> Contact:
 def hooke(stiffness: float, loss: float = 0.0) -> Contact:
     """Return the contact of a linear spring that only pushes, ``stiffness * overlap``. The stiffness is in N/m.
 
-    It describes the interface of Appendix A (iii).
+    This contact describes the interface of Appendix A (iii).
     """
     return Contact(0.0, stiffness, 1.0, loss)
 

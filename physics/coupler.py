@@ -6,7 +6,8 @@
     displacement of a gear > travel solid: a stop adds the force stop * (displacement - travel)
 
 The force graph has several segments. A gear dissipates energy in the same way as its contact law. A coupler may be
-uncoupled at the start. It then only pushes. When its two beads meet, it couples, and can pull from this time on.
+uncoupled at the start. An uncoupled coupler only pushes. When its two beads meet, it couples, and can pull from this
+time on.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ from softcradle.physics.segments import PiecewiseContact, Segment
 
 @dataclass(frozen=True)
 class Coupler(PiecewiseContact):
-    """A coupler between two beads. It pushes and, beyond its slack, pulls. Its gears become solid at full travel.
+    """A coupler between two beads. A coupler pushes and, beyond its slack, pulls. The gears of a coupler become solid
+    at full travel.
 
     All methods except pymunk support couplers (yoshida4 only without loss). The adaptive methods and "auto" require an
     exponent of at least 1 for a gear that pulls or has a stop; otherwise they raise a ValueError. Pulling forces are
@@ -35,9 +37,9 @@ class Coupler(PiecewiseContact):
     pull : Contact, optional
         Contact law of the pulling gear. None means that the coupler does not pull.
     slack : float, optional
-        Free play [m] between pushing and pulling. It requires `pull`.
+        Free play [m] between pushing and pulling. A slack requires `pull`.
     travel : float, optional
-        Displacement [m] at which a gear becomes solid, both for pushing and for pulling. It is infinite by default.
+        Displacement [m] at which a gear becomes solid, both for pushing and for pulling. The default is infinite.
     stop : float, optional
         Stiffness [N/m] of the stop beyond the travel. The force of the stop adds to the force of the gear and does
         not dissipate energy.

@@ -33,10 +33,11 @@ from softcradle.physics.status import CodedWarning, WarningCode, Warnings
 Array = NDArray[np.float64]
 
 FIRST_LOG = 4096  # Initial number of rows of the log of contact switches
-# Number of rows of the log of `advance`. More switches within a frame are chattering. They are counted, but not stored.
+# Number of rows of the log of `advance`. More switches within a frame are chattering. Such switches are counted, but
+# not stored.
 FRAME_LOG = 256
 ROWS_A_STEP = 4  # Number of free rows of the log for each step until the next pause. At a pause, the log can grow.
-MOST_LOG = 4_000_000  # Largest number of rows of the log. They take 64 MB.
+MOST_LOG = 4_000_000  # Largest number of rows of the log. These rows take 64 MB.
 
 
 def chain_records(chain: Chain, state: State) -> tuple[Any, ...]:
@@ -88,7 +89,7 @@ def graph_rows(chain: Chain) -> tuple[Any, ...]:
     points = np.cumsum([0, *(len(table.bend) for table in tables.values())]).tolist()
     places = dict(zip(tables, zip(pieces, pieces[1:], points, points[1:], strict=False), strict=True))
     kind = np.array([_kind(graph) for graph in chain.graphs], dtype=np.int8)
-    # The segments of all contacts, one after the other. Each has the range of rows of its table.
+    # The segments of all contacts, one after the other. Each segment has the range of rows of its table.
     segments = [segment for graph in chain.graphs for segment in graph]
     force_from = [one.stiffness * one.table_from**one.exponent for one in segments]
     segment = np.array([(*one[:9], one.table_from, force) for one, force in zip(segments, force_from, strict=True)])
@@ -178,7 +179,7 @@ def require_finite_motion(chain: Chain, state: State) -> None:
 
 
 def motion_record(state: State, mode: Any = NO_FLAGS, held: Any = NO_FLAGS) -> tuple[Any, ...]:
-    """Return the fields of Motion. They are the arrays of `state` itself, so kernels change the state in place."""
+    """Return the fields of Motion. The fields are the arrays of `state` itself, so kernels change the state in place."""
     return state.overlap, state.rate, state.anchor, state.force, state.taken, mode, held
 
 

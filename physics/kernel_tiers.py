@@ -28,11 +28,11 @@ from softcradle.physics.numerics.plain_kernels import plain
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
-# Largest work in plain Python before a process waits for machine code, in fixed steps times contacts. It takes about
-# three seconds.
+# Largest work in plain Python before a process waits for machine code, in fixed steps times contacts. This work takes
+# about three seconds.
 PLAIN_WORK = 80_000
 LOOKING = 0.25  # Time between two checks for machine code [s]
-YIELDING = 10  # Niceness of a process that compiles while a window draws frames. It keeps the frames smooth.
+YIELDING = 10  # Niceness of a process that compiles while a window draws frames. This niceness keeps the frames smooth.
 # Program of the background process that compiles
 PROGRAM = "import os; getattr(os, 'nice', int)({}); from {} import TIERS; TIERS[{!r}].compile_and_unlock()"
 HEARTBEAT = 5.0  # Time [s] after which the process that compiles updates its lock file, as a sign of life
@@ -62,7 +62,8 @@ class KernelTiers:
 
     Attributes:
         name: name of the group, which is part of the file names on disk.
-        spent: work done in plain Python so far, except in live frames. Its unit is one fixed step of one contact.
+        spent: work done in plain Python so far, except in live frames. The unit of work is one fixed step of one
+            contact.
     """
 
     def __init__(self, name: str, module: str, call_all: Callable[[], None]) -> None:
@@ -313,7 +314,7 @@ def _is_alive(lock: Path) -> bool:
     number = _holder(lock)[0]
     try:
         silence = time() - lock.stat().st_mtime
-        # Signal 0 only checks that the process exists. It does not affect the process.
+        # Signal 0 only checks that the process exists. Signal 0 does not affect the process.
         if os.name == "posix" and number:
             os.kill(number, 0)
     except OSError:

@@ -105,9 +105,10 @@ class LawTable(NamedTuple):
 
 
 def law_table(force: Force) -> LawTable:
-    """Return the table of `force`. It ends at the overlap above which the force is not finite.
+    """Return the table of `force`. The table ends at the overlap above which the force is not finite.
 
-    The function `force` takes an array of overlaps > 0. It returns NaN for overlaps at which it cannot be evaluated.
+    The function `force` takes an array of overlaps > 0. The function returns NaN for overlaps at which it cannot be
+    evaluated.
     """
     edges = np.concatenate(([0.0], 2.0 ** np.arange(LEAST_POWER, MOST_POWER + 1.0)))
     start, end = edges[:-1], edges[1:]
@@ -157,11 +158,11 @@ def _joined(start: Array, end: Array, values: Array, error: Array) -> LawTable:
     """Return the table of the given pieces, up to the first gap between two pieces."""
     order = np.argsort(start)
     start, end, values, error = (row[order] for row in (start, end, values, error))
-    # Neighbouring pieces must have a common end. Their forces must not overflow in sums.
+    # Neighbouring pieces must have a common end. The forces of pieces must not overflow in sums.
     holds = np.append(end[:-1] == start[1:], False) & (np.abs(values).max(axis=1) < MOST_FORCE)
     whole = int(np.argmin(holds)) + 1
     start, end, values, error = (row[:whole] for row in (start, end, values, error))
-    # Two consecutive products. Their combined matrix would lose four digits.
+    # Two consecutive products. A single product with the combined matrix would lose four digits.
     force = values @ _TO_CHEBYSHEV.T @ _TO_POWERS.T
     return table_of(np.append(start, end[-1]), force, error, _bends(start, end, values, force, error))
 

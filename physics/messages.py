@@ -70,7 +70,7 @@ class InputError(ValueError):
 
     @property
     def code(self) -> str:
-        """Short name of the problem. It is the same in every language and version."""
+        """Short name of the problem. The code is the same in every language and version."""
         return self.message.code
 
     @property
@@ -80,7 +80,7 @@ class InputError(ValueError):
 
 
 def message_of(error: BaseException) -> str:
-    """Return the message of an error. It is a Message if the error contains one, otherwise plain text."""
+    """Return the message of an error. The result is a Message if the error contains one, otherwise plain text."""
     found = error.args[0] if len(error.args) == 1 else None
     return found if isinstance(found, Message) else str(error)
 

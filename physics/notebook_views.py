@@ -110,7 +110,7 @@ class Moving(Shown):
 def live_of(shown: object, slow: float | None) -> Any:
     """Return a live page of a Scene for a cell of a notebook.
 
-    It is a LiveWidget if anywidget is installed, otherwise an InlinePage.
+    The page is a LiveWidget if anywidget is installed, otherwise an InlinePage.
     """
     text = import_module("softcradle.sandbox.page").scene_text(shown, slow)[0]
     try:

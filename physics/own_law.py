@@ -75,9 +75,9 @@ class OwnLaw:
     ----------
     law : object or callable
         An object with a method ``force(overlap)`` that returns the force [N] at an overlap > 0 [m], or a function
-        that returns this force. It must accept a single number. A table of the force is built once, and the steps
-        use the table. If the function also accepts arrays, the table is built faster. For a smooth law the table is
-        accurate to 1e-13. It also reproduces kinks.
+        that returns this force. The function must accept a single number. A table of the force is built once, and
+        the steps use the table. If the function also accepts arrays, the table is built faster. For a smooth law
+        the table is accurate to 1e-13. The table also reproduces kinks.
     energy : callable, optional
         Function that returns the stored energy [J] for results. None means ``law.energy`` if it exists, otherwise
         the integral of the table. The steps always use the integral of the table.
@@ -208,7 +208,7 @@ class OwnLaw:
     def table(self) -> LawTable:
         """Polynomials that represent the law in the kernels.
 
-        They equal the force to round-off, except at its steps; see the field `error` of the table.
+        The polynomials equal the force to round-off, except at steps of the force; see the field `error` of the table.
         """
         if isinstance(self.law, TabledLaw):
             return self.law.table
@@ -260,8 +260,8 @@ class OwnLaw:
         return found[0] if forces.ndim == 0 else np.reshape(found, forces.shape)
 
     def depth(self, energy: float) -> float:
-        """Return the overlap [m] at which the contact stores `energy` [J]. It is infinite if the contact never stores
-        so much.
+        """Return the overlap [m] at which the contact stores `energy` [J]. The result is infinite if the contact never
+        stores so much energy.
         """
         return self.table.overlap(self.table.energy, energy) if energy > 0.0 else 0.0
 
@@ -332,7 +332,7 @@ class OwnLaw:
     def require_usable(self, depth: float) -> None:
         """Raise ValueError if force or energy is invalid at an overlap up to `depth` [m].
 
-        Both must be numbers >= 0, and the energy must be the integral of the force.
+        Force and energy must be numbers >= 0, and the energy must be the integral of the force.
         """
         overlaps = self.probes(depth)
         forces, energies = self._force(overlaps), self._energy(overlaps)

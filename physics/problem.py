@@ -127,13 +127,15 @@ class Record:
         return self.end.velocity(self.chain)
 
     def with_samples(self, samples: Samples) -> Record:
-        """Return this record with the given samples. They complete the record."""
+        """Return this record, completed by the given samples."""
         self.samples, self.kept = samples, None
         return self
 
 
 class KeptRun(Protocol):
-    """Interface of the stored data of a run without a duration. Its sample times are known only after its end."""
+    """Interface of the stored data of a run without a duration. The sample times of such a run are known only after its
+    end.
+    """
 
     def record(self, found: Record, times: Array, /) -> Record:
         """Add samples at `times` (T,) [s] to the record `found` of the run."""

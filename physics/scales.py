@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 NO_APPROACH = 1e-13  # Approach speed, relative to the fastest bead, below which two beads do not count as approaching
 # Lower limit of the tolerance scale, as a fraction of the largest velocity difference.
 LEAST_SCALE = 1e-10
-# Smallest velocity error, as a fraction of the largest velocity difference. It is the round-off of a sum of velocities.
-# The velocity difference may be present at the start or be produced by forces.
+# Smallest velocity error, as a fraction of the largest velocity difference. This error is the round-off of a sum of
+# velocities. The velocity difference may be present at the start or be produced by forces.
 SPEED_ROUND_OFF = 16.0 * float(np.finfo(np.float64).eps)
 # Smallest and largest overlap [m] that can be computed. Powers of overlaps far outside this range overflow or
 # underflow.
@@ -48,7 +48,8 @@ def speed_scale(chain: Chain, velocity: ArrayLike, duration: float | None = None
 def greatest_speed(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> float:
     """Return the largest speed [m/s] at which beads can approach each other within `duration` [s].
 
-    It includes the closing speed at the start, and the speeds that compressed contacts and the drive can produce.
+    The result includes the closing speed at the start, and the speeds that compressed contacts and the drive can
+    produce.
     """
     speeds = np.asarray(velocity, dtype=np.float64).tolist()
     found = max(speeds) - min(speeds)
@@ -87,11 +88,11 @@ def closing_scale(
 ) -> float:
     """Return the speed [m/s] to which the tolerance of a motion is relative: the largest possible closing speed.
 
-    It is the largest of three speeds. The first is the speed at which beads approach (or separate, if couplers pull).
-    The second is the speed that compressed contacts can produce. The third is the speed that `external` forces (n+1,)
-    [N] can produce, by pressing on contacts and by accelerating beads over gaps. If all three are 0, it is the speed of
-    the moving beads. The scale has a lower limit, so `tolerance` times the scale is at least the round-off of the
-    velocities.
+    The result is the largest of three speeds. The first is the speed at which beads approach (or separate, if couplers
+    pull). The second is the speed that compressed contacts can produce. The third is the speed that `external` forces
+    (n+1,) [N] can produce, by pressing on contacts and by accelerating beads over gaps. If all three are 0, it is the
+    speed of the moving beads. The scale has a lower limit, so `tolerance` times the scale is at least the round-off of
+    the velocities.
     """
     speeds = velocity.tolist()
     high, low, approach = max(speeds), min(speeds), _approach(speeds)
@@ -139,7 +140,7 @@ def swinging_speed(chain: Chain, velocity: Array, overlap: Array) -> float:
 def largest_error(chain: Chain, start: State, end: State) -> Array:
     """Return the largest possible error [m/s] of each velocity (n+1,) in the state `end`.
 
-    It follows from the momentum, and from the energy since `start`.
+    The error follows from the momentum, and from the energy since `start`.
     """
     force, passed = start.external(chain), end.time - start.time
     push = np.zeros(len(chain.mass)) if force is None else force
@@ -222,8 +223,8 @@ def _fall_speed(chain: Chain, forces: Array, overlap: Array) -> float:
 def _driven_speed(chain: Chain, forces: Array) -> float:
     """Return the largest speed [m/s] that a contact reaches under an external force.
 
-    It is computed from the part of the force that the contact transmits. `forces` (K, n+1) [N] contains K cases of
-    external forces.
+    The speed is computed from the part of the force that the contact transmits. `forces` (K, n+1) [N] contains K cases
+    of external forces.
     """
     preload, stiffness, exponent = chain.law_rows.T
     force = np.maximum(_passed_on(chain, forces) - preload, 0.0)
@@ -268,9 +269,9 @@ def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = N
     one that is struck.
 
     The speed is the largest speed within `duration` [s]. The overlap d follows from the energy balance ``F d + K
-    d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu. It is approximated by the smaller of the two solutions in
-    which one term on the left is left out. For user-defined laws, their energy is used. The contact time is the time
-    for moving over this overlap and back at the closing speed.
+    d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu. The overlap is approximated by the smaller of the two
+    solutions in which one term on the left is left out. For user-defined laws, their energy is used. The contact time
+    is the time for moving over this overlap and back at the closing speed.
     """
     return scales_at(chain, speed_scale(chain, velocity, duration))
 
@@ -314,8 +315,8 @@ def stays_touching(chain: Chain, velocity: ArrayLike) -> NDArray[np.bool_]:
     """Return True for each contact (n,) that surely stays touching during the whole motion.
 
     The motion starts with `velocity` (n+1,) [m/s]. Without external forces, a contact with preload that touches at the
-    start transmits at most the largest force of the moving contacts. It never yields if its preload is larger than any
-    force that the moving contacts can reach with all the energy.
+    start transmits at most the largest force of the moving contacts. Such a contact never yields if its preload is
+    larger than any force that the moving contacts can reach with all the energy.
     """
     speeds, stays = np.asarray(velocity, dtype=np.float64), np.zeros(chain.contacts, dtype=np.bool_)
     walls = np.isinf(chain.mass)

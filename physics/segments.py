@@ -29,8 +29,8 @@ from softcradle.physics.messages import InputError
 
 Array = NDArray[np.float64]
 
-# Relative decrease of the force from one segment to the next that is still accepted. It is round-off of the numbers
-# that define the segments.
+# Relative decrease of the force from one segment to the next that is still accepted. Such a decrease is round-off of
+# the numbers that define the segments.
 CONTINUOUS = 1e-9
 
 
@@ -42,7 +42,7 @@ class Segment(NamedTuple):
         origin: overlap [m] at which it begins.
         preload, stiffness, exponent: F [N], K [N/m**a] and a of its power law.
         loss: fraction l of the energy of the power law that it dissipates during unloading.
-        length: displacement [m] at which the next segment begins. It is infinite for the last segment.
+        length: displacement [m] at which the next segment begins. The length of the last segment is infinite.
         before: displacement [m] that the power law already has at the origin.
         stop: stiffness S [N/m] of an additional spring without loss.
         table: polynomials that replace the power law, or None.
@@ -127,7 +127,7 @@ class PiecewiseContact:
 
     @property
     def pulls_below(self) -> float:
-        """Overlap [m] below which the contact pulls. It is -inf if the contact never pulls."""
+        """Overlap [m] below which the contact pulls. The value is -inf if the contact never pulls."""
         return self.pulling[0].origin if self.pulling else -math.inf
 
     @property
@@ -153,7 +153,7 @@ class PiecewiseContact:
 
     @property
     def stop_stiffness(self) -> float:
-        """Largest stiffness [N/m] of the outer segments at their origins. It is 0 without outer segments."""
+        """Largest stiffness [N/m] of the outer segments at their origins. The value is 0 without outer segments."""
         return max(
             (_stiffness_at_origin(one) for side in (self.pushing, self.pulling) for one in side[1:]), default=0.0
         )
@@ -168,7 +168,7 @@ class PiecewiseContact:
     def force(self, overlap: ArrayLike) -> Array: ...
 
     def force(self, overlap: ArrayLike) -> Array | float:
-        """Return the force [N] at `overlap` [m] during loading, any shape. It is negative if the contact pulls."""
+        """Return the force [N] at `overlap` [m] during loading, any shape. The force is negative if the contact pulls."""
         return self._force(overlap, unloading=False)
 
     def released(self, overlap: ArrayLike) -> Array | float:

@@ -36,8 +36,8 @@ NO_AUTO = Message("no_auto", "advance takes the name of a method; 'auto' is for 
 LEAST_TOLERANCE = 1e-16  # Smallest tolerance. A smaller error is not distinguishable from round-off.
 # Smallest sample time [s] other than 0. Products of smaller times underflow, so their overlaps would be 0.
 LEAST_TIME = 1e-100
-# Largest number of samples times beads. They take about 3 GB, and suffice for 1001 samples of the longest lane of a
-# scene.
+# Largest number of samples times beads. This number of samples takes about 3 GB, and suffices for 1001 samples of the
+# longest lane of a scene.
 MOST_SAMPLED = 100_100_000
 FALLBACK_METHOD = "conserving"  # Method that finishes a frame after an adaptive method has given up
 FALLBACK_STEPS = 100  # Number of steps of FALLBACK_METHOD in the rest of the frame

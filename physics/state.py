@@ -1,4 +1,4 @@
-"""State of a chain. It contains overlaps and their rates instead of positions.
+"""State of a chain. A State contains overlaps and their rates instead of positions.
 
 Differences of positions could not resolve the tiny overlaps deep inside a cluster.
 """
@@ -57,11 +57,11 @@ class State:
     anchor : ndarray, shape (2,)
         Position [m] and velocity [m/s] of bead ``chain.anchor``.
     force : ndarray, shape (n,)
-        Contact forces [N] of the last step. They are stored because the overlap of a touching contact does not
-        determine its force.
+        Contact forces [N] of the last step. The forces are stored because the overlap of a touching contact does
+        not determine its force.
     push : ndarray or None, shape (n+1,)
-        External force on each bead [N] for the next `advance` (such as a spring to the pointer), or None. It is added
-        to the drive of the chain.
+        External force on each bead [N] for the next `advance` (such as a spring to the pointer), or None. This
+        force is added to the drive of the chain.
     switches : int
         Number of closings and openings of contacts in all `advance` so far.
     switched : Switches
@@ -72,11 +72,11 @@ class State:
     taken : ndarray, shape (4,)
         Array that contains the values of `absorbed` and `given`.
     velocity_error : float
-        Estimated error [m/s] of the bead velocities, for the methods accurate, radau and dop853. It accumulates
-        over all calls of `advance` since the start. It grows by local errors, by round-off, and by bounces of
-        contacts, which amplify errors. It is not confirmed by a second run. After an `advance` by another method it
-        is NaN, because other methods do not estimate errors. A copy of the state continues from the error at its
-        time. Set it to 0 to start a new estimate.
+        Estimated error [m/s] of the bead velocities, for the methods accurate, radau and dop853. The estimate
+        accumulates over all calls of `advance` since the start. The estimate grows by local errors, by round-off,
+        and by bounces of contacts, which amplify errors. The estimate is not confirmed by a second run. After an
+        `advance` by another method it is NaN, because other methods do not estimate errors. A copy of the state
+        continues from the error at its time. Set it to 0 to start a new estimate.
     status : Status
         How the last `advance` ended. If its method gave up, the method `conserving` continued to the end.
     warnings : tuple of CodedWarning
@@ -195,7 +195,7 @@ class State:
 def start_of(chain: Chain) -> tuple[Array, float, Array, NDArray[np.int8]]:
     """Return the values of a State at the start of the chain.
 
-    They are overlaps (n,) [m], the position [m] of the anchor bead, contact forces (n,) [N], and flags of coupled
+    The values are overlaps (n,) [m], the position [m] of the anchor bead, contact forces (n,) [N], and flags of coupled
     contacts.
     """
     force = np.zeros(chain.contacts)
@@ -226,7 +226,7 @@ def rest_of(chain: Chain) -> tuple[Array, float]:
 def displacement(chain: Chain, overlap: Array, anchor: Any) -> Array:
     """Return the displacements (..., n+1) [m] of beads on strings from their positions at rest.
 
-    They follow from overlaps (..., n) and positions of the anchor bead (...).
+    The displacements follow from overlaps (..., n) and positions of the anchor bead (...).
     """
     rest, place = rest_of(chain)
     return from_anchor(overlap - rest, np.asarray(anchor) - place, chain.anchor)
@@ -235,7 +235,7 @@ def displacement(chain: Chain, overlap: Array, anchor: Any) -> Array:
 def hanging_energy(chain: Chain, overlap: Array, anchor: Any) -> Any:
     """Return the energy (...) [J] of beads on strings, which is 0 for a chain without strings.
 
-    It follows from overlaps (..., n) [m] and positions of the anchor bead (...) [m].
+    The energy follows from overlaps (..., n) [m] and positions of the anchor bead (...) [m].
     """
     return 0.5 * chain.swing * (chain.finite_mass * displacement(chain, overlap, anchor) ** 2).sum(axis=-1)
 

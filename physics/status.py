@@ -23,7 +23,7 @@ class Status(IntEnum):
 
     @property
     def gave_up(self) -> bool:
-        """True if the run stopped before its end. Its last velocities are then not final."""
+        """True if the run stopped before its end. The last velocities of such a run are not final."""
         return self in (Status.OUT_OF_STEPS, Status.FAILED)
 
 

@@ -1,4 +1,6 @@
-"""Time-dependent forces on chosen beads, such as the traction and the brakes of a train. They are piecewise linear."""
+"""Time-dependent forces on chosen beads, such as the traction and the brakes of a train. The forces are piecewise
+linear.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,9 @@ Array = NDArray[np.float64]
 class TimedForce:
     """A time-dependent force on chosen beads.
 
-    The force is linear between breakpoints in time. It is 0 before the first breakpoint and constant after the last.
-    Two breakpoints at the same time make a step. In ``Chain(forces=...)`` a positive force pushes to the right. In
-    ``Chain(brakes=...)`` the force is the largest friction force of a brake. A brake acts against the motion, and it
+    The force is linear between breakpoints in time. The force is 0 before the first breakpoint and constant after the
+    last. Two breakpoints at the same time make a step. In ``Chain(forces=...)`` a positive force pushes to the right.
+    In ``Chain(brakes=...)`` the force is the largest friction force of a brake. A brake acts against the motion, and it
     holds a bead at rest.
 
     Parameters

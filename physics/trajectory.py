@@ -1,4 +1,4 @@
-"""Trajectory: the result of a simulation. It contains sampled arrays, the contact times, and the cost of the
+"""Trajectory: the result of a simulation. A Trajectory contains sampled arrays, the contact times, and the cost of the
 computation.
 """
 
@@ -33,7 +33,8 @@ def _nothing() -> Array:
 
 
 def work_of_walls(chain: Chain, velocity: Array, momentum: Array) -> Array:
-    """Return the work (T,) [J] of the walls of `chain` on its beads since the first of T times. It is NaN if unknown.
+    """Return the work (T,) [J] of the walls of `chain` on its beads since the first of T times. The result is NaN if
+    the work is unknown.
 
     `momentum` (T,) [N s] is the momentum of the beads without the contributions of other causes, so its changes come
     from the walls. The work follows from it if all walls have the same speed and no bed absorbs momentum. Walls at rest
@@ -59,8 +60,8 @@ class Trajectory(Moving):
     """Result of a simulation: samples of the motion, the times at which each contact closed and opened, and the cost.
 
     `velocity_error` is the estimated error of `final_velocity`. `position_error` is the estimated error of the
-    positions. Errors of velocities at samples and of contact times are not estimated. Their errors are larger while
-    contacts push, or if contacts close slowly. Compare runs at two tolerances to measure these errors.
+    positions. Errors of velocities at samples and of contact times are not estimated. The errors of these values are
+    larger while contacts push, or if contacts close slowly. Compare runs at two tolerances to measure these errors.
 
     Attributes
     ----------
@@ -93,8 +94,8 @@ class Trajectory(Moving):
     tolerance : float
         Tolerance of an adaptive method; 0 for fixed steps.
     speed_scale : float
-        Speed [m/s] to which `tolerance` is relative: the largest possible closing speed of the motion. It is 0 for
-        fixed steps.
+        Speed [m/s] to which `tolerance` is relative: the largest possible closing speed of the motion. The scale is
+        0 for fixed steps.
     steps : int
         Number of steps taken.
     evaluations : int
@@ -108,7 +109,7 @@ class Trajectory(Moving):
     warnings : tuple of CodedWarning
         Possible problems, each with a code, a sentence and its numbers; empty without problems.
     choice : str
-        Method that "auto" has chosen, and the reason. It is "" for other methods.
+        Method that "auto" has chosen, and the reason. The text is "" for other methods.
     absorbed_by_contacts : ndarray, shape (T,)
         Energy [J] that contacts with loss have dissipated since t = 0.
     absorbed_by_bed : ndarray, shape (T,)
@@ -160,8 +161,8 @@ class Trajectory(Moving):
 
     @property
     def position_error(self) -> Array:
-        """Estimated error [m] of the positions, shape (T,). It is the time since the start, multiplied by a velocity
-        error.
+        """Estimated error [m] of the positions, shape (T,). The estimate is the time since the start, multiplied by a
+        velocity error.
 
         This velocity error is the largest `velocity_error`, but at least the tolerance times `speed_scale`. The lower
         limit is needed for beads that have come to rest: they have hardly any velocity error, but their positions
@@ -188,7 +189,9 @@ class Trajectory(Moving):
 
     @cached_property
     def string_energy(self) -> Array:
-        """Energy [J] of the beads on strings, shape (T,), relative to their positions at rest. It is 0 without strings."""
+        """Energy [J] of the beads on strings, shape (T,), relative to their positions at rest. The energy is 0 without
+        strings.
+        """
         if not self.chain.swing:
             return np.zeros(self.time.size)
         found: Array = hanging_energy(self.chain, self.overlap, self.anchor[:, 0])
@@ -201,10 +204,10 @@ class Trajectory(Moving):
 
     @property
     def ledger(self) -> Array:
-        """Total of the energy balance [J], shape (T,). It must stay constant.
+        """Total of the energy balance [J], shape (T,). The total must stay constant.
 
-        It is the energy of motion, contacts and strings, plus the energy dissipated by contacts and bed, minus `driven`
-        and `by_walls`. It is NaN if `by_walls` is unknown.
+        The total is the energy of motion, contacts and strings, plus the energy dissipated by contacts and bed, minus
+        `driven` and `by_walls`. The total is NaN if `by_walls` is unknown.
         """
         energy = self.kinetic_energy + self.contact_energy - self.driven - self.by_walls
         if self.chain.swing:
@@ -272,8 +275,9 @@ class Trajectory(Moving):
     def largest_force(self) -> Array:
         """Largest force [N] of each contact, shape (n,), from :meth:`hits`.
 
-        It is exact, in contrast to the maximum of the sampled `force`. It is negative for a coupler that pulled more
-        than it pushed, and 0 for a contact that never closed. A ValueError is raised in the same cases as by `hits`.
+        The value is exact, in contrast to the maximum of the sampled `force`. The value is negative for a coupler that
+        pulled more than it pushed, and 0 for a contact that never closed. A ValueError is raised in the same cases as
+        by `hits`.
         """
         found = np.zeros(self.chain.contacts)
         for row in self.hits():

@@ -1,9 +1,9 @@
 """Files and tables of trajectories: .npz files, .csv files, xarray and pandas.
 
-An .npz file is complete: reading it restores an equal Trajectory. It contains one array for each array of a Trajectory.
-For readers without softcradle, it also contains `position` and `velocity`. The array `contact_intervals` (K, 3) has
-rows (contact, closed [s], opened [s]). `metadata` is a JSON text in which numbers may be `Infinity` (such as the mass
-of a wall) or `NaN`. Python's json module reads them, but strict JSON readers do not. Nothing is pickled.
+An .npz file is complete: reading it restores an equal Trajectory. The file contains one array for each array of a
+Trajectory. For readers without softcradle, it also contains `position` and `velocity`. The array `contact_intervals`
+(K, 3) has rows (contact, closed [s], opened [s]). `metadata` is a JSON text in which numbers may be `Infinity` (such as
+the mass of a wall) or `NaN`. Python's json module reads them, but strict JSON readers do not. Nothing is pickled.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def load_motion(path: Path, make: Callable[..., T]) -> T:
 
 def _fields(arrays: dict[str, Array], plain: dict[str, Any]) -> dict[str, Any]:
     """Return the fields of a Trajectory from the arrays and the metadata of a file."""
-    # Readers without softcradle use these two arrays. They are not needed here.
+    # Readers without softcradle use these two arrays. The arrays are not needed for loading.
     for name in ("position", "velocity"):
         arrays.pop(name, None)
     chain = chain_from_table(plain.pop("chain"), arrays)
@@ -146,7 +146,7 @@ def write_csv(path: Path, columns: Sequence[Columns]) -> None:
 
 
 def titles(columns: Sequence[Columns]) -> list[str]:
-    """Return the title of each column. It consists of quantity, name and unit."""
+    """Return the title of each column. A title consists of quantity, name and unit."""
     return [f"{part.quantity}{name} [{part.unit}]" for part in columns for name in part.names]
 
 

@@ -12,7 +12,7 @@ from pydantic_core import ErrorDetails
 from softcradle.physics.checked_input import shown
 from softcradle.physics.messages import N_, Message, message_of
 
-# Messages that replace those of pydantic, by type of error. They use terms of TOML instead of Python.
+# Messages that replace those of pydantic, by type of error. The messages use terms of TOML instead of Python.
 DEMANDS = {
     "float_type": ("must_be_number", N_("{place} must be a number, not {given}")),
     "int_type": ("must_be_whole", N_("{place} must be a whole number, not {given}")),
@@ -83,7 +83,7 @@ def _sentence(detail: ErrorDetails, whole: str) -> str:
 def _place(location: tuple[int | str, ...]) -> str:
     """Return the text of a place in the file, such as `lanes[0].contact.alpha`.
 
-    pydantic marks alternatives by tags in brackets. They are left out, because they are not keys of the file.
+    pydantic marks alternatives by tags in brackets. The tags are left out, because they are not keys of the file.
     """
     path = ""
     for part in location:

@@ -33,7 +33,7 @@ from softcradle.scenes.toml_table import (
 
 from softcradle import physics
 
-# Largest number of beads of a lane. It prevents a typing error from filling the memory.
+# Largest number of beads of a lane. This limit prevents a typing error from filling the memory.
 MOST_BEADS = 100_000
 # Largest ratio of film time to motion time, and of motion time to film time. The times of frames then remain valid
 # times of a run.
@@ -112,14 +112,14 @@ class Lane(Table):
 
     Attributes:
         label: name of the lane in pictures and tables.
-        beads: number of beads, or [strikers, targets]. It is optional if `mass` or `velocity` is a list.
+        beads: number of beads, or [strikers, targets]. The number is optional if `mass` or `velocity` is a list.
         mass: mass [kg], one number for all beads or a list. A bead with the mass inf is a wall.
         contact: contact law, one for all contacts, or a list from left to right.
         velocity: list of the velocities of all beads [m/s]. In a file with ``beads = [strikers, targets]`` it can
             be one number, the velocity of the strikers. The targets are then at rest.
         gap: gap [m], one number for all contacts or a list. With a gap of 0 two beads just touch. A negative gap is
             an overlap at the start.
-        approach: gap between strikers and targets [m]. It requires ``beads = [strikers, targets]``.
+        approach: gap between strikers and targets [m]. This key requires ``beads = [strikers, targets]``.
         drive: steady external force on every bead [N] from t = 0 on. The scene then needs a duration.
         friction: Coulomb coefficient of the bed on which the beads slide; 0 means no friction.
         forces: time-dependent forces on some beads, in addition to the drive.
@@ -331,13 +331,13 @@ class Scene(notebook_views.Moving, Table):
     duration : float or None
         Duration [s]. None means that the run ends when every contact is open and none can close again.
     method : str or None
-        Method of `simulate`. None usually means the default of `simulate`. It means `conserving` if a step is
+        Method of `simulate`. None usually means the default of `simulate`. None means `conserving` if a step is
         given, or if the default cannot compute a lane.
     step : float or None
         Time step of a fixed-step method [s]. None means the default of `simulate`.
     tolerance : float or None
-        Tolerance of an adaptive method. None means the default of `simulate`. It is not allowed with a fixed-step
-        method.
+        Tolerance of an adaptive method. None means the default of `simulate`. A tolerance is not allowed with a
+        fixed-step method.
     view : View
         Settings of the picture.
     """
@@ -409,8 +409,8 @@ class Scene(notebook_views.Moving, Table):
         return self
 
     def settings(self, **overrides: Any) -> dict[str, Any]:
-        """Return the keyword arguments for `physics.simulate`. They are the settings of the scene, replaced by those
-        `overrides` that are not None.
+        """Return the keyword arguments for `physics.simulate`. The arguments are the settings of the scene, replaced by
+        those `overrides` that are not None.
 
         If another method is given, the step and the tolerance of the scene are ignored, because they were chosen for
         the method of the scene. The tolerance of a scene without a method applies to every method. A step without a

@@ -1,4 +1,4 @@
-"""Messages about common syntax errors of TOML files. They contain the line of the error and its correction.
+"""Messages about common syntax errors of TOML files. A message contains the line of the error and its correction.
 
 The text is repaired to find further errors. A repair is used only if the parser then gets further. A hint therefore
 never contradicts the parser.
@@ -42,7 +42,7 @@ class Repair(NamedTuple):
 def read_toml(text: str) -> tuple[dict[str, Any] | None, list[str]]:
     """Return the table in `text`, and a sentence for each syntax error.
 
-    The table is read from the repaired text. It is None if an error could not be repaired.
+    The table is read from the repaired text. The result is None if an error could not be repaired.
     """
     problems: list[str] = []
     while len(problems) < MOST_ERRORS:

@@ -49,7 +49,9 @@ class Table(BaseModel):
 
     @classmethod
     def keys_elsewhere(cls) -> Mapping[str, str]:
-        """Return the keys that belong to another table of the file. Each has a Message about where to write it."""
+        """Return the keys that belong to another table of the file. For each key, a Message describes where to write
+        it.
+        """
         return {}
 
     @model_validator(mode="wrap")
@@ -113,8 +115,8 @@ def problem(sentence: str) -> PydanticCustomError:
 
 
 def suggestion(word: str, allowed: Iterable[str]) -> Message:
-    """Return the end of a sentence about an unknown `word`. It contains the most similar allowed word and all allowed
-    words.
+    """Return the end of a sentence about an unknown `word`. The text contains the most similar allowed word and all
+    allowed words.
     """
     words = list(allowed)
     near, allowed = difflib.get_close_matches(word, words, n=1), ", ".join(words)

@@ -18,8 +18,8 @@ from softcradle.physics.scales import SPEED_ROUND_OFF
 
 Array = NDArray[np.float64]
 
-# Safety factor of the estimated error. It multiplies the sum of all local errors of a run, or the difference between
-# two runs.
+# Safety factor of the estimated error. This factor multiplies the sum of all local errors of a run, or the difference
+# between two runs.
 DOUBT = 3.0
 # Error amplification by each oscillation of a loaded contact. All earlier errors have shifted the phase of the
 # oscillation.
@@ -40,8 +40,8 @@ HALF_DIGIT = 0.5 * float(np.finfo(np.float64).eps)
 def error_growth(before: Any, grown: Array, turns: Array) -> Any:
     """Return the error amplification.
 
-    It is the product of three factors: `before` from earlier bounces, `grown` from the present bounces, and a factor
-    from the turning points `turns` (..., n) of the contacts.
+    The amplification is the product of three factors: `before` from earlier bounces, `grown` from the present bounces,
+    and a factor from the turning points `turns` (..., n) of the contacts.
     """
     return 1.0 + before + grown.sum(axis=-1) + TURN_GROWTH * turns.max(axis=-1)
 
@@ -63,8 +63,8 @@ def rounding_of(mass: Array, velocity: Array) -> Any:
     """Return the round-off (...) [m/s] of a step for beads of `mass` (..., n+1) at `velocity` (..., n+1).
 
     A light bead can receive all the kinetic energy and become very fast. The velocities of heavy beads are computed
-    from overlap rates, which are then as large as the velocity of the light bead. Their round-off returns to the light
-    bead, amplified by the square root of the mass ratio. Walls are ignored.
+    from overlap rates, which are then as large as the velocity of the light bead. The round-off of these velocities
+    returns to the light bead, amplified by the square root of the mass ratio. Walls are ignored.
     """
     finite = np.isfinite(mass)
     inertia = np.where(finite, mass, 0.0)

@@ -75,7 +75,8 @@ Array = NDArray[np.float64]
 # Number of steps after which a kernel returns to Python, so that Python can handle signals. Rejected steps count as
 # well.
 PAUSE = 20_000
-# The same number as PAUSE for kernels in plain Python. It is small, so a run can soon switch to compiled kernels.
+# The same number as PAUSE for kernels in plain Python. With this small number, a run can soon switch to compiled
+# kernels.
 PLAIN_PAUSE = 50
 PLAIN_COST = 3.0  # Cost of an adaptive step in plain Python, in units of the cost of a fixed step
 LONGEST_REUSED = 1000  # Largest chain, in contacts, whose working memory a thread keeps for its next run
@@ -85,7 +86,7 @@ LONGEST_REUSED = 1000  # Largest chain, in contacts, whose working memory a thre
 class Memory:
     """Working memory of the kernels, in addition to the state of the chain.
 
-    It is created once for a whole run, or once for all frames of live use.
+    The memory is created once for a whole run, or once for all frames of live use.
     """
 
     mode: NDArray[np.int8]
@@ -110,7 +111,7 @@ class Memory:
 
 
 class _LastRun(threading.local):
-    """Working memory of the last run in a thread. The next run with the same number of contacts reuses it.
+    """Working memory of the last run in a thread. The next run with the same number of contacts reuses this memory.
 
     Allocating new memory costs as much as several steps.
     """
@@ -257,8 +258,8 @@ def one_run(problem: Problem, log_size: int = FIRST_LOG) -> Record:
 def _integrate(problem: Problem, state: State, memory: Memory, kept: KeptSteps | None = None) -> Any:
     """Run the kernel on `state`. Return its status and the time that it reached.
 
-    If `kept` is None, the call belongs to live use. It then uses the compiled kernels only if they are available
-    already, and plain Python otherwise.
+    If `kept` is None, the call belongs to live use. Live use never waits for compilation: it uses plain Python until
+    the compiled kernels are available.
     """
     data, regime = chain_and_regime(problem.chain, state)
     memory.log.counter[:] = 0

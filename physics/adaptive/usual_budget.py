@@ -17,25 +17,25 @@ CONTACT_STEPS = 120_000
 # Additional steps for each contact of a chain. A wave passes through a long chain from contact to contact.
 STEPS_A_CONTACT = 60
 STEPS_A_CONTACT_TIME = 400  # Additional steps for each contact time (the longest of the chain) in the duration
-# Largest number of additional steps because of the duration. They take some seconds. If a motion has more bounces, the
-# method `conserving` finishes it.
+# Largest number of additional steps because of the duration. These steps take some seconds. If a motion has more
+# bounces, the method `conserving` finishes it.
 MOST_LASTING = 1e6
 # Additional steps for each impact at full speed (see FULL_SPEED). The number applies to USUAL_TOLERANCE and to motions
 # with small error amplification. Hard spheres (computing pi by counting collisions) need 10 to 40 steps per impact with
 # dop853. radau needs hundreds if the spheres are much faster than the speed scale.
 STEPS_AN_IMPACT = 500
-# Largest number of additional steps because of impacts. They take about ten seconds for a short chain.
+# Largest number of additional steps because of impacts. These steps take about ten seconds for a short chain.
 MOST_FOLLOWED = 5_000_000
-# Largest number of contact forces evaluated in a run whose errors are amplified. They take about three seconds. Trains
-# of hundreds of draft gears with gaps chatter: each of their steps ends at an event, which takes ten times the usual
-# evaluations.
+# Largest number of contact forces evaluated in a run whose errors are amplified. These evaluations take about three
+# seconds. Trains of hundreds of draft gears with gaps chatter: each of their steps ends at an event, which takes ten
+# times the usual evaluations.
 MOST_FORCES = 2e8
-# Ratio of the predicted steps to the largest budget above which a run with a duration ends early. Its budget would end
-# long before the motion. Therefore the method `conserving` takes over immediately.
+# Ratio of the predicted steps to the largest budget above which a run with a duration ends early. The budget of such a
+# run would end long before the motion. Therefore the method `conserving` takes over immediately.
 MOST_PREDICTED = 3.0
 # Smallest factor by which the budget must grow. With a smaller growth, another call of the kernel would not pay.
 LONGER = 1.1
-# Tolerance below which the step budget grows. It grows in proportion to the expected number of steps.
+# Tolerance below which the step budget grows. The budget grows in proportion to the expected number of steps.
 USUAL_TOLERANCE = 1e-8
 
 
@@ -53,7 +53,7 @@ def _finer(tolerance: float) -> float:
 def _lasting(problem: Problem, time: float) -> int:
     """Return the additional steps for a motion of fixed duration that has reached `time` [s].
 
-    They suffice for contacts that are struck repeatedly at the speed ``problem.scale``. The result is at most
+    These steps suffice for contacts that are struck repeatedly at the speed ``problem.scale``. The result is at most
     MOST_LASTING.
     """
     if problem.duration is None or time == problem.state.time:
@@ -97,7 +97,7 @@ def step_budget(problem: Problem, time: float) -> int:
 
 
 class GrowingBudget:
-    """Step budget of one run. It grows with the time reached and with the number of impacts at full speed.
+    """Step budget of one run. The budget grows with the time reached and with the number of impacts at full speed.
 
     Attributes:
         steps: the current budget, a number of steps. Rejected steps count.

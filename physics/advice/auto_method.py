@@ -10,8 +10,8 @@ desktop window uses the same step.
     all other cases                                    accurate
 
 The error is the largest error of a final velocity, relative to the closing speed. The tests in tests/physics/advice/
-accept three times the wanted error. They cover the cases of the table above, chains with other masses and contact laws,
-critical speeds, friction and loss.
+accept three times the wanted error. These tests cover the cases of the table above, chains with other masses and
+contact laws, critical speeds, friction and loss.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from numpy.typing import ArrayLike
 from softcradle.physics.chain import Chain, mass_shares
 from softcradle.physics.scales import scales_at, shortest_contact, speed_scale
 
-# Smallest wanted error for which a single collision uses fixed steps, relative to the closing speed. It corresponds to
-# about one pixel of a plot.
+# Smallest wanted error for which a single collision uses fixed steps, relative to the closing speed. This error
+# corresponds to about one pixel of a plot.
 LIVE_ERROR = 1e-3
-# Steps of `conserving` per shortest contact time. They keep the error below LIVE_ERROR. The error falls with the square
-# of the number of steps.
+# Steps of `conserving` per shortest contact time. This number of steps keeps the error below LIVE_ERROR. The error
+# falls with the square of the number of steps.
 LIVE_STEPS = 64
 # Largest number of steps of `conserving` per contact in a collision. With more steps, `conserving` would need several
 # times the evaluations of `accurate`.

@@ -40,8 +40,8 @@ def stable_step(chain: Chain, velocity: ArrayLike, error: float = 1e-3) -> float
         onset      the impulse of the step after the touch, h L K (v h)**a, equals `error`
         preload    the impulse of a step, h L F, equals `error`
 
-    The estimate is correct within a small factor. It refers to errors of velocities, not to errors of small overlaps
-    deep inside a cluster. The errors of successive collisions add up.
+    The estimate is correct within a small factor. The estimate refers to errors of velocities, not to errors of small
+    overlaps deep inside a cluster. The errors of successive collisions add up.
 
     Parameters
     ----------
@@ -94,8 +94,8 @@ def _longest_step(chain: Chain, speed: float, small: float) -> float:
 def _bounds_of(law: OwnLaw, weight: float, speed: float, small: float, depth: float) -> tuple[float, float]:
     """Return two limits of the step [s] for a contact with a user-defined law: by stiffness or chatter, and by onset.
 
-    They follow from the force of the law. Its slope is evaluated at the largest overlap, and at the overlap whose
-    energy corresponds to the velocity `small`. The larger slope is used.
+    Both limits follow from the force of the law. The slope of the force is evaluated at the largest overlap, and at the
+    overlap whose energy corresponds to the velocity `small`. The larger slope is used.
     """
     chatter = law.depth(0.5 * small**2 / weight)
     stiffness = max(law.slope(depth), law.slope(chatter))

@@ -38,7 +38,7 @@ def _of_tolerance(tolerance: float) -> Warnings:
 
 
 def _of_gears(chain: Chain, velocity: ArrayLike) -> Warnings:
-    """Return a warning if a draft gear hardly yields. It names the gear that yields least."""
+    """Return a warning if a draft gear hardly yields. The warning names the gear that yields least."""
     usual = _usual_speed_of_gears(chain)
     speeds = np.asarray(velocity).tolist() if usual else [0.0]
     if not 0.0 < max(speeds) - min(speeds) < usual:

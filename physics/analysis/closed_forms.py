@@ -70,8 +70,8 @@ def rigid_masses(mass: ArrayLike, strikers: int) -> tuple[float, float]:
 def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array:
     """Return the (N,) velocities after an elastic collision of two rigid bodies.
 
-    One body consists of the first `strikers` beads, the other one of all remaining beads. This is the limit alpha -> 0
-    of the power law, Eq. (2). For one bead on n equal beads the velocities are ``(1-n)/(1+n)`` and ``2/(n+1)``.
+    One body consists of the first `strikers` beads, the other one of all remaining beads. The result is the limit alpha
+    -> 0 of the power law, Eq. (2). For one bead on n equal beads the velocities are ``(1-n)/(1+n)`` and ``2/(n+1)``.
     """
     first, second = rigid_masses(mass, strikers)
     count = np.asarray(mass).size
@@ -82,9 +82,9 @@ def rigid_collision(mass: ArrayLike, strikers: int, speed: float = 1.0) -> Array
 def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float = 1.0) -> Stroke:
     """Return the stroke of the struck contact if each side moves as one rigid body.
 
-    It is :func:`one_on_one` with the reduced mass of both sides. The result is exact for the step force, with contact
-    time ``2n/(n+1) m v / f0`` for one bead on n beads. It is also exact for draft gears below the critical speed. A
-    side may contain a wall.
+    The stroke follows from :func:`one_on_one` with the reduced mass of both sides. The result is exact for the step
+    force, with contact time ``2n/(n+1) m v / f0`` for one bead on n beads. The result is also exact for draft gears
+    below the critical speed. A side may contain a wall.
     """
     first, second = rigid_masses(mass, strikers)
     return one_on_one(contact, 1.0 / (1.0 / first + 1.0 / second), speed)
@@ -93,9 +93,10 @@ def rigid_stroke(contact: Contact, mass: ArrayLike, strikers: int, speed: float 
 def long_linear_chain(mass: float = 1.0, stiffness: float = 1.0) -> tuple[float, float]:
     """Return the final velocity of the striker of a very long linear chain, and its contact time [s].
 
-    The velocity is given as a fraction of the initial velocity. It follows from ``v0(t) = J1(2wt) / (wt)`` with w^2 =
-    k/m. The contact force is proportional to ``J2(2wt) / t`` and first vanishes at 2wt = j_(2,1). At this zero, J1(x) /
-    (x/2) = J0(x). So the fraction is J0(j_(2,1)) = -0.1322795, and the contact time is 2.56781 sqrt(m/k).
+    The velocity is given as a fraction of the initial velocity. The velocity of the striker is ``v0(t) = J1(2wt) /
+    (wt)`` with w^2 = k/m. The contact force is proportional to ``J2(2wt) / t`` and first vanishes at 2wt = j_(2,1). At
+    this zero, J1(x) / (x/2) = J0(x). So the fraction is J0(j_(2,1)) = -0.1322795, and the contact time is 2.56781
+    sqrt(m/k).
     """
     zero = float(special.jn_zeros(2, 1)[0])
     return float(special.j0(zero)), 0.5 * zero * math.sqrt(mass / stiffness)

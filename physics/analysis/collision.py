@@ -204,9 +204,9 @@ def collide(
 ) -> Trajectory:
     """Run `simulate` with the samples that :func:`measured` needs.
 
-    These are evenly spaced samples, the times of all contact switches, and additional samples during short contacts. If
-    `method` is None, the method is "accurate" if it supports the chain, otherwise "conserving". Python's warnings are
-    not thread-safe: pass `solve` as `run` in threads.
+    The sample times are evenly spaced times, the times of all contact switches, and additional times in short contacts.
+    If `method` is None, the method is "accurate" if it supports the chain, otherwise "conserving". Python's warnings
+    are not thread-safe: pass `solve` as `run` in threads.
     """
     if method is None:
         method = "conserving" if refusal_of("accurate", chain) else "accurate"

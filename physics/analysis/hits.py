@@ -1,9 +1,9 @@
 """Table of the hits of a motion: begin, end, impulse, closing speed, largest force and dissipated energy of each
 contact.
 
-The values do not come from the stored samples. The motion is computed again with samples at the contact times. It is
-computed once more with samples at the turning points of the overlaps. Every value is therefore as accurate as the run
-itself.
+The values do not come from the stored samples. The motion is computed again with samples at the contact times. Then the
+motion is computed once more with samples at the turning points of the overlaps. Every value is therefore as accurate as
+the run itself.
 """
 
 from __future__ import annotations
@@ -105,8 +105,8 @@ def hits(trajectory: Trajectory) -> NDArray[np.void]:
 
 
 def _between(knots: Array) -> list[Array]:
-    """Return sample times between neighbouring `knots`. They are denser at both ends, where forces of soft contacts
-    jump.
+    """Return sample times between neighbouring `knots`. The times are denser near both ends of an interval, because
+    forces of soft contacts jump at the ends.
     """
     share = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, INSIDE) / INSIDE)
     return [begin + (end - begin) * share for begin, end in pairwise(knots)]

@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 Family = Literal["power_law", "draft_gear"]
 Distance = Literal["force", "outcome"]
 
-NEAR = 0.1  # Largest distance of contacts that count as similar. Their force curves differ by 10 %.
+NEAR = 0.1  # Largest distance of contacts that count as similar. The force curves of such contacts differ by 10 %.
 ALPHAS = (1.0 / 50.0, 3.0)  # Range of the exponents in the search.
 # Range of the precompressions in the search, as a multiple of the largest overlap of the given contact.
 PRECOMPRESSIONS = 1e-4, 1e4
@@ -57,8 +57,8 @@ DESCENTS = {"force": 1, "outcome": 3}
 # would need thousands of steps.
 TOLERANCE = 1e-6
 FAR = 1e3  # Distance assigned to a contact whose collision cannot be simulated.
-# Sample times as fractions of the contact time. They are dense near both ends, where forces jump. The ends themselves
-# are left out, because the force has two values there.
+# Sample times as fractions of the contact time. The times are dense near both ends of the contact, because forces jump
+# at the ends. The ends themselves are left out, because the force has two values there.
 GRADED = np.clip(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 801)), 1e-9, 1.0 - 1e-9)
 
 RATIOS = tuple(np.geomspace(0.3, 30.0, 33).tolist())  # Ratios V/v_c of the draft gears from which a search starts.
@@ -76,12 +76,12 @@ class Match:
     distance : str
         Name of the distance that was minimised.
     residual : float
-        Smallest distance found. It is 0.1 for force curves whose root mean square difference is 10 %.
+        Smallest distance found. The distance is 0.1 for force curves whose root mean square difference is 10 %.
     near : bool
         True if the residual is at most 0.1.
     outcome : float
-        Difference of final velocities and contact time. It is computed for any `distance`, because similar forces
-        do not imply similar outcomes.
+        Difference of final velocities and contact time. This value is computed for any `distance`, because similar
+        forces do not imply similar outcomes.
     speed_ratio : float or None
         Ratio V/v_c of the closing speed to the critical speed of the draft gear. Below 1 the clusters stay exactly
         rigid.
@@ -115,7 +115,7 @@ def match(
     Parameters
     ----------
     chain : Chain
-        Chain of equal contacts. Their law is a power law (preload 0) or a draft gear (exponent 1).
+        Chain of equal contacts. The contact law must be a power law (preload 0) or a draft gear (exponent 1).
     velocity : array_like
         (n+1,) initial velocities [m/s].
     distance : {"force", "outcome"}

@@ -60,8 +60,8 @@ def loads(chain: Chain, struck: int = 0) -> Array:
 def response_times(trajectory: Trajectory) -> Array:
     """Return the (n,) response times [s] at the largest overlaps: ``1 / sqrt(L_ii df/dd)``, L_ii = 1/m + 1/m'.
 
-    They generalise tau_(i,i+1), defined before Eq. (10), to unequal masses. The time is 0 for a contact that is never
-    loaded, and infinite for a step force.
+    These times generalise tau_(i,i+1), defined before Eq. (10), to unequal masses. The time is 0 for a contact that is
+    never loaded, and infinite for a step force.
     """
     _, stiffness, exponent = trajectory.chain.power_law_rows.T
     deepest = np.maximum(trajectory.overlap.max(axis=0), 0.0)
@@ -92,9 +92,9 @@ def time_scale_separation(trajectory: Trajectory, struck: int = 0) -> Array:
 def rigidity(velocity: ArrayLike) -> Array:
     """Return the velocity spread (...) of a cluster with velocities (..., n) [m/s].
 
-    It is the largest minus the smallest velocity, divided by the mean. It is 0 for a rigid body, and infinite or NaN if
-    the mean is 0. The paper states that it "vanishes in the limit alpha -> +0", Figs. 1(c), (d). It is the ordinate of
-    Fig. 3 in the letter that the paper cites.
+    The spread is the largest minus the smallest velocity, divided by the mean. The spread is 0 for a rigid body, and
+    infinite or NaN if the mean is 0. The paper states that it "vanishes in the limit alpha -> +0", Figs. 1(c), (d). The
+    spread is the ordinate of Fig. 3 in the letter that the paper cites.
 
     >>> float(rigidity([0.5, 0.4, 0.3]).round(3))
     0.5
@@ -142,9 +142,9 @@ def energy_inside(trajectory: Trajectory, struck: int) -> Array:
 def impulses(trajectory: Trajectory, struck: int) -> Array:
     """Return the (n,) momentum [N s] that each contact transmitted to the right between the first and the last sample.
 
-    It follows from the momentum balance of one side of the contact. The balance is not known between two walls, with
-    bed friction and on strings. In these cases, the force is integrated over the samples. The integral starts at the
-    first touch of contact `struck`, because forces between beads at rest on the bed are not determined.
+    The momentum follows from the momentum balance of one side of the contact. The balance is not known between two
+    walls, with bed friction and on strings. In these cases, the force is integrated over the samples. The integral
+    starts at the first touch of contact `struck`, because forces between beads at rest on the bed are not determined.
     """
     chain, time = trajectory.chain, trajectory.time
     if chain.takes_momentum:
@@ -209,7 +209,7 @@ def can_touch(joint: Joint) -> bool:
 def dwell(trajectory: Trajectory, struck: int) -> Array:
     """Return the (n, 3) times [s] for which each contact was open, touching and loaded.
 
-    They are counted from the first touch of contact `struck` to the end. A coupler that pulls counts as closed.
+    The times are counted from the first touch of contact `struck` to the end. A coupler that pulls counts as closed.
     Closings and openings are exact. The change between touching and loaded is only known to within a sample.
     """
     time, end = trajectory.time, float(trajectory.time[-1])

@@ -11,8 +11,8 @@ inside each cluster. With M = m2 + ... + mn, Eqs. (8), (A3) read
 
 This is Newton's equation (3) of a chain of three beads m0, m1, M with the contacts f01 and f12. All beads of the
 cluster behind its first bead are lumped into the bead M. So the reduced chain is an ordinary Chain. For a cluster that
-strikes a cluster it has four beads. For a cluster with a steady external force it has two. It conserves the energy ``H
-= q'.L^-1.q'/2 + E01(Phi) + E12(psi)``, q = (Phi, psi), because L is symmetric.
+strikes a cluster it has four beads. For a cluster with a steady external force it has two. The reduced chain conserves
+the energy ``H = q'.L^-1.q'/2 + E01(Phi) + E12(psi)``, q = (Phi, psi), because L is symmetric.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class Reduction:
 
     @cached_property
     def share(self) -> Array:
-        """(n,) force of each contact, divided by the force of its carrier, Eq. (5). It is 1 for the modes."""
+        """(n,) force of each contact, divided by the force of its carrier, Eq. (5). The share is 1 for the modes."""
         first, last = self.modes[0], self.modes[-1]
         before, beyond = mass_shares(self.chain.mass, first), mass_shares(self.chain.mass, last)
         return np.concatenate((before[:first], np.ones(last - first), beyond[last:]))
@@ -103,7 +103,7 @@ class Reduction:
     def overlaps(self, overlap: Array, rate: Array) -> tuple[Array, Array]:
         """Return the overlaps and rates (T, n) of the whole chain, Eqs. (7), (A1).
 
-        They follow from `overlap` and `rate` (T, r) of the reduced chain.
+        These values follow from `overlap` and `rate` (T, r) of the reduced chain.
 
         If the mode of a cluster is open, the cluster transmits no force, and its overlaps are 0.
         """

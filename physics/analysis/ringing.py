@@ -1,9 +1,9 @@
 """Ringing of a contact: the oscillation of its overlap or force about a slowly changing value. The results are turning
 points, period, amplitude and decay.
 
-Inside a struck cluster, a contact follows the force that it must transmit, Eq. (5). This is its quasi-static branch.
-The contact oscillates about this branch at the local frequency ``sqrt((1/m + 1/m') df/dd)``. The inverse of this
-frequency is the response time defined before Eq. (10).
+Inside a struck cluster, a contact follows the force that it must transmit, Eq. (5). This curve of the overlap is called
+the quasi-static branch. The contact oscillates about this branch at the local frequency ``sqrt((1/m + 1/m') df/dd)``.
+The inverse of this frequency is the response time defined before Eq. (10).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Ringing:
         period: mean time between every other turning point [s]; None with fewer than 4 turning points.
         amplitude: half of the largest distance between a turning point and the mean of its neighbours, in units of
             the curve.
-        decay: rate at which the logarithm of this distance decreases [1/s]. It is negative if the oscillation
+        decay: rate at which the logarithm of this distance decreases [1/s]. The rate is negative if the oscillation
             grows.
     """
 

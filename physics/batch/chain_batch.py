@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ChainBatch:
-    """Batch of C chains with n+1 masses and n contacts each, stored as arrays. It is the input of `ensemble_ends`.
+    """Batch of C chains with n+1 masses and n contacts each, stored as arrays. A ChainBatch is the input of
+    `ensemble_ends`.
 
     Every argument except `mass` is broadcast to its shape, so one number or one row can apply to all chains. The force
     of a contact is ``preload + stiffness * overlap**exponent``, as for a :class:`Contact`. Everything else is as for a

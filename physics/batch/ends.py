@@ -112,9 +112,9 @@ def ensemble_ends(
     """Simulate very many short chains of one shape, and return the ends of their motions as arrays.
 
     The results are bitwise equal to the results of `simulate`. Compiled code runs most chains one after the other, on
-    all cores. `simulate` runs the chains with a drive or with overlaps at the start. It also runs the chains that need
-    more than one run, because their contacts chatter or because their errors have grown. The function does not issue
-    warnings. Check `status` and `velocity_error`, and run doubtful chains ``batch.chain(k)`` with `simulate`.
+    all cores. `simulate` runs the chains with a drive or with overlaps at the start. `simulate` also runs the chains
+    that need more than one run, because their contacts chatter or because their errors have grown. The function does
+    not issue warnings. Check `status` and `velocity_error`, and run doubtful chains ``batch.chain(k)`` with `simulate`.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ class _Accuracy:
     def of(cls, batch: ChainBatch, method: str, tolerance: float, velocity: Array) -> _Accuracy:
         """Return the wanted accuracy for start velocities `velocity` (C, n+1).
 
-        It is relative to the largest possible closing speed, see `closing_scale`.
+        The accuracy is relative to the largest possible closing speed, see `closing_scale`.
         """
         ahead = np.maximum.accumulate(velocity, axis=1)[:, :-1]
         approach = np.maximum((ahead - np.minimum.accumulate(velocity[:, ::-1], axis=1)[:, -2::-1]).max(axis=1), 0.0)

@@ -52,20 +52,20 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-# Drifts and kicks of each method. They are empty for the method with a discrete gradient.
+# Drifts and kicks of each method. The arrays are empty for the method with a discrete gradient.
 DRIFTS_AND_KICKS = {"euler": EULER, "verlet": VERLET, "yoshida4": YOSHIDA4, "conserving": (NO_TIMES, NO_TIMES)}
 # Largest number of steps of a run. If a run needs more, its step is too small for its motion.
 MOST_FIXED_STEPS = 100_000_000
 
-# Number of steps times contacts after which a kernel returns to Python, so that Python can handle signals. It takes
-# about 0.1 s.
+# Number of steps times contacts after which a kernel returns to Python, so that Python can handle signals. This work
+# takes about 0.1 s.
 PAUSE = 2_000_000
 # Largest number of checkpoints of a run, and largest number of floats in them (32 MB).
 MOST_ROWS, MOST_NUMBERS = 1024, 2**22
 # Number of steps between two checkpoints at the start of a run. Leaving the step loop after every step would take half
 # of the computing time of a short chain.
 FIRST_SPACING = 4
-# Number of steps times contacts that plain Python tries in a run without a duration. It takes about one second.
+# Number of steps times contacts that plain Python tries in a run without a duration. This work takes about one second.
 PLAIN_STEPS = 20_000
 
 
@@ -87,7 +87,7 @@ class Scratch:
     ) -> Scratch:
         """Return scratch memory for a chain with this number of `contacts`.
 
-        It contains one row for each sample time in `times`. If `checkpoints` is True, it also contains rows for
+        The memory contains one row for each sample time in `times`. If `checkpoints` is True, it also contains rows for
         checkpoints, because the sample times are only known after the run.
         """
         solver_rows = WORK_ROWS if method == "conserving" else 0
@@ -165,7 +165,7 @@ class _KeptRun:
         scratch.samples = empty_samples(times, chain.contacts)
         scratch.log = empty_log(chain.contacts, 0)
         state, late = problem.state.copy(), max(float(times[-1]) - found.end.time, 0.0) if times.size else 0.0
-        # Number of steps to repeat. It decides between compiled code and plain Python.
+        # Number of steps to repeat. This number decides between compiled code and plain Python.
         again = min(found.steps, times.size * int(scratch.plan[SPACING])) + late / problem.step
         work = again * chain.contacts
         kernel = KERNELS.of(sample_between, work)
@@ -233,7 +233,7 @@ def _warnings(problem: Problem, status: Status, time: float, log: SwitchLog) -> 
 
 
 def _call_kernels() -> None:
-    """Call every kernel once. This compiles all of them."""
+    """Compile all kernels by calling each of them once."""
     chain = Chain([1.0, 1.0, 1.0], power_law(1.0, 0.1))
     state = State.at_start(chain, [1.0, 0.0, 0.0])
     run(Problem(chain, state, "verlet", 1e-3, 1e-3))

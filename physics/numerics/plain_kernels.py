@@ -1,4 +1,5 @@
-"""Kernels that run as plain Python with bitwise the same results. They accept single numbers, and arrays for powers.
+"""Kernels that run as plain Python with bitwise the same results. Kernels accept single numbers. Powers are also
+available for arrays.
 
 The last digit of NumPy's own powers depends on the processor. Therefore, powers of arrays are computed by the source of
 `elementary`, applied to whole arrays. NumPy rounds sums and products in the same way as the compiled kernels.
@@ -46,7 +47,7 @@ def powers(base: ArrayLike, exponent: ArrayLike) -> Array:
     The base must be >= 0 or NaN, and the exponent must not be 0.
     """
     from softcradle.physics.numerics import (
-        # This import loads numba. It is inside the function because inspecting a chain does not need numba.
+        # This import loads numba. The import is inside the function because inspecting a chain does not need numba.
         elementary,
     )
 

@@ -15,8 +15,8 @@ from softcradle.physics.pymunk_contacts.post_step import call_after_step
 # Factor of growth of the collision speed or of the step after which the step is checked again.
 FASTER = 1.1
 # Part of the touching distance within which the recommended stiffness absorbs the energy of the collision. The rest is
-# a margin. It is needed because pymunk's positions lag by half a step, and because other forces may press the bodies
-# together.
+# a margin. The margin is needed because pymunk's positions lag by half a step, and because other forces may press the
+# bodies together.
 HELD = 0.7
 
 
@@ -70,8 +70,8 @@ def kinetic_energy(bodies: Iterable[pymunk.Body]) -> float:
 
 
 def passing_sentence(what: str, law: Any, energy: float, touching: float) -> str:
-    """Return the warning that two bodies have passed through each other. It recommends a stiffness that would have
-    stopped them.
+    """Return the warning that two bodies have passed through each other. The warning recommends a stiffness that would
+    have stopped the bodies.
 
     Parameters
     ----------

@@ -32,7 +32,8 @@ def attach(spring: pymunk.DampedSpring) -> Any:
     """
     from pymunk._chipmunk_cffi import ffi, lib
 
-    # The law is a C array. Its address is stored in the stiffness field of the spring, which is not used otherwise.
+    # The law is a C array. The address of this array is stored in the stiffness field of the spring, which is not used
+    # otherwise.
     law = ffi.new(LAW_TYPE)
     law[6] = _python_address()
     ffi.cast("double **", spring._constraint)[LAW_SLOT] = law

@@ -1,4 +1,6 @@
-"""Soft contacts for any pymunk Space. They are constraints that only push, with ``force = F + K * overlap**a``."""
+"""Soft contacts for any pymunk Space. A soft contact is a constraint that only pushes, with ``force = F + K *
+overlap**a``.
+"""
 
 from __future__ import annotations
 
@@ -41,14 +43,15 @@ OnHit = Callable[["SoftContact", Hit], None]
 
 
 class SoftContact(pymunk.DampedSpring):
-    """A contact of two bodies. It pushes them apart while their anchors are nearer than `touching_distance`.
+    """A contact of two bodies. The contact pushes the bodies apart while their anchors are nearer than
+    `touching_distance`.
 
-    It works like a ``pymunk.DampedSpring`` with the force of a :class:`~softcradle.physics.contact.Contact`. The force
-    acts only while ``overlap = touching_distance - distance > 0``. It is evaluated once per step, after the bodies have
-    moved, as in the symplectic Euler method. Contacts are short, so use `substeps` to choose the step. If the step is
-    too long for a contact that closes, a RuntimeWarning is issued, once for each law in a Space. The force acts along
-    the line between the anchors, so the overlap must stay smaller than `touching_distance`. If the bodies pass through
-    each other, a RuntimeWarning recommends a stiffness that would have stopped them.
+    A SoftContact works like a ``pymunk.DampedSpring`` with the force of a :class:`~softcradle.physics.contact.Contact`.
+    The force acts only while ``overlap = touching_distance - distance > 0``. The force is evaluated once per step,
+    after the bodies have moved, as in the symplectic Euler method. Contacts are short, so use `substeps` to choose the
+    step. If the step is too long for a contact that closes, a RuntimeWarning is issued, once for each law in a Space.
+    The force acts along the line between the anchors, so the overlap must stay smaller than `touching_distance`. If the
+    bodies pass through each other, a RuntimeWarning recommends a stiffness that would have stopped them.
 
     The contact replaces the collision between the shapes of the two bodies: `collide_bodies` is False unless set to
     True.
@@ -76,10 +79,9 @@ class SoftContact(pymunk.DampedSpring):
         with bitwise the same results. None means compiled code if possible.
     on_hit : callable, optional
         Called as ``on_hit(contact, hit)`` at the end of the step in which the contact has opened. The hit has the
-            attributes
-        begin, end [s], impulse [N s], closing_speed [m/s], largest_force [N] and energy_lost [J]. Its times are counted
-            from
-        the first step of the contact. The force is then a Python callback. Copies and pickles do not include `on_hit`.
+        attributes begin, end [s], impulse [N s], closing_speed [m/s], largest_force [N] and energy_lost [J]. The
+        times of a hit are counted from the first step of the contact. The force is then a Python callback. Copies
+        and pickles do not include `on_hit`.
 
     Raises
     ------
@@ -276,8 +278,8 @@ class SoftContact(pymunk.DampedSpring):
         return stable_step(Chain([math.inf, 1.0 / yielding], self._stores), [0.0, -speed], error)
 
     def _yielding(self) -> float:
-        """Return the change of the closing speed per impulse [1/kg]. It depends on both masses and on the rotation of
-        the bodies.
+        """Return the change of the closing speed per impulse [1/kg]. The result depends on both masses and on the
+        rotation of the bodies.
         """
         ends = self.a.local_to_world(self.anchor_a), self.b.local_to_world(self.anchor_b)
         line = (ends[1] - ends[0]).normalized()
@@ -317,8 +319,8 @@ class SoftContact(pymunk.DampedSpring):
         self._looked_at = step, speed, yielding
         try:
             limit = self._longest_step(speed, yielding)
-        # The force of a user-defined law may be undefined at some depth. It raises an error when the contact gets to
-        # this depth.
+        # The force of a user-defined law may be undefined at some depth. The law raises an error when the contact gets
+        # to this depth.
         except (ValueError, ArithmeticError):
             return
         if step > limit:
@@ -405,8 +407,8 @@ class SoftContact(pymunk.DampedSpring):
     def _take_overlap(self, overlap: float, rate: float) -> None:
         """Use the given overlap [m] and rate [m/s] from now on, instead of computing them from the bodies.
 
-        The caller manages the steps. It has the overlap with more digits than the positions, and the rate before any
-        contact of the step has pushed.
+        The caller manages the steps. The caller has the overlap with more digits than the positions, and the rate
+        before any contact of the step has pushed.
         """
         self._known_overlap, self._known_rate = overlap, rate
         if self._compiled_law is not None:

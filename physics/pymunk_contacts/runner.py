@@ -1,9 +1,9 @@
 """Method `pymunk`: a chain as bodies on a line in a pymunk Space, with soft contacts between them and substeps.
 
 A step of pymunk first moves the bodies (drift) and then changes their velocities (kick). This is the symplectic Euler
-method, so the results equal those of method `euler` up to round-off. The Space stores positions. Their differences
-cannot resolve the tiny overlaps deep inside a cluster. Therefore the overlaps are integrated separately from the
-velocities of the bodies, and are passed to the contacts. External forces are set on the bodies before every step.
+method, so the results equal those of method `euler` up to round-off. The Space stores positions. Differences of
+positions cannot resolve the tiny overlaps deep inside a cluster. Therefore the overlaps are integrated separately from
+the velocities of the bodies, and are passed to the contacts. External forces are set on the bodies before every step.
 pymunk applies them after the drift, as `euler` does. After every step of the Space, friction of the bed slows the
 bodies, at most to rest.
 """
@@ -30,7 +30,7 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode, Warning
 
 Array = NDArray[np.float64]
 
-MOST_SPACE_STEPS = 20_000_000  # Largest number of steps of a run. They take several minutes.
+MOST_SPACE_STEPS = 20_000_000  # Largest number of steps of a run. This number of steps takes several minutes.
 # Largest distance of two anchors [m]. Only motions that diverge because of too long steps need a larger one.
 MOST_REACH = 2.0**90
 GRID_TOLERANCE = 1e-9  # Fraction of a step. A time that is this close to a grid point counts as lying on the grid.
@@ -39,9 +39,9 @@ GRID_TOLERANCE = 1e-9  # Fraction of a step. A time that is this close to a grid
 class Row:
     """Chain of beads as bodies in a Space. The motion is read from a State and written back to it.
 
-    The x coordinate of a body is the displacement of its bead. It is near 0 for all beads, so its round-off is small.
-    The anchors of the bodies are shifted by `reach`, the distance of two bodies that just touch. `reach` exceeds every
-    overlap. Otherwise the line between two anchors would reverse its direction.
+    The x coordinate of a body is the displacement of its bead. This coordinate is near 0 for all beads, so its
+    round-off is small. The anchors of the bodies are shifted by `reach`, the distance of two bodies that just touch.
+    `reach` exceeds every overlap. Otherwise the line between two anchors would reverse its direction.
     """
 
     def __init__(self, chain: Chain, state: State, step: float) -> None:
@@ -189,7 +189,9 @@ def _pass(problem: Problem, times: Array) -> Record:
 
 
 class _Run:
-    """One run of a Row: its steps, samples and contact switches, and its end. It works like the kernels of fixed steps."""
+    """One run of a Row: its steps, samples and contact switches, and its end. The algorithm is that of the kernels of
+    fixed steps.
+    """
 
     def __init__(self, problem: Problem, times: Array) -> None:
         self.problem, self.h, self.times = problem, problem.step, times
@@ -230,7 +232,7 @@ class _Run:
     def flight_time(self) -> float:
         """Return the time [s] until the first contact closes in free flight.
 
-        The result is 0 if a contact or an external force pushes. It is infinite if all beads separate.
+        The result is 0 if a contact or an external force pushes. The result is infinite if all beads separate.
         """
         chain = self.problem.chain
         pushed = chain.driven and (chain.lasts or self.state.time < chain.knots[-1])

@@ -1,5 +1,5 @@
-"""SoftChain: contacts between neighbours in a row of pymunk bodies. They are solved together, so any step size is
-stable.
+"""SoftChain: contacts between neighbours in a row of pymunk bodies. All contacts are solved together, so any step size
+is stable.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ class SoftChain:
             raise ValueError("a SoftChain needs its touching_distance: one for all contacts or one for each")
         if method not in CHAIN_METHODS:
             raise ValueError(f"method of a SoftChain must be one of {', '.join(CHAIN_METHODS)}, not {shown(method)}")
-        # Check the bodies. They must be different, and each pair must contain a dynamic body.
+        # Check the bodies. All bodies must be different, and each pair must contain a dynamic body.
         require_kind("bodies", bodies, Sequence)
         for body in bodies:
             require_kind("every body", body, pymunk.Body)
@@ -196,8 +196,8 @@ class SoftChain:
 
     @classmethod
     def of(cls, space: pymunk.Space) -> list[SoftChain]:
-        """Return the chains in a Space, in the order in which they were added. It also finds the chains of a copied
-        Space.
+        """Return the chains in a Space, in the order in which they were added. The function also finds the chains of a
+        copied Space.
         """
         require_kind("space", space, pymunk.Space)
         return list({link.chain: None for link in space.constraints if isinstance(link, _Link)})
@@ -248,9 +248,9 @@ class SoftChain:
         The first call starts the log and returns an empty table, so call it before the first step. Without a call, no
         log is kept, which saves time. A hit lasts from the closing of a contact to its opening. Times are counted from
         the first call, and are interpolated within a step. Impulses and dissipated energies are sums over the steps.
-        They agree with the motion to round-off. The largest force is the largest value of the forces at the ends of
-        steps and of the mean forces of steps. After `restore`, the log is empty. At most 10 000 hits are kept between
-        two calls.
+        These sums agree with the motion to round-off. The largest force is the largest value of the forces at the ends
+        of steps and of the mean forces of steps. After `restore`, the log is empty. At most 10 000 hits are kept
+        between two calls.
 
         Parameters
         ----------
@@ -344,7 +344,7 @@ class SoftChain:
     def touching_distance(self) -> Array:
         """(n,) distances [m] between the centres of two bodies that just touch.
 
-        Assign one number for all contacts, or n numbers. They take effect at once.
+        Assign one number for all contacts, or n numbers. New distances take effect at once.
         """
         return self._touching.copy()
 
@@ -480,8 +480,8 @@ class SoftChain:
         pushing = self._force > 0.0
         whole = law[0] + law[1] * deepest ** law[2]  # Force of the loading branch.
         largest = np.where(pushing, np.maximum(self._force, np.where(rate > 0.0, whole, 0.0)), 0.0)
-        # Dissipated energy: work of the mean force minus the increase of the stored energy. It is zero for an elastic
-        # contact.
+        # Dissipated energy: work of the mean force minus the increase of the stored energy. This energy is zero for an
+        # elastic contact.
         rise = stored_energy(law[0], law[1], law[2], end) - stored_energy(law[0], law[1], law[2], overlap)
         lost = np.where(self._loss > 0.0, self._force * (end - overlap) - rise, 0.0)
         log.add_step(step, (overlap, rate), (end, self._rate), self._force, largest, lost)

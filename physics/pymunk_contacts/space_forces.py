@@ -1,7 +1,7 @@
 """Forces of a Space on some bodies in the current step, without contact forces: gravity, damping, forces and strings.
 
-A SoftChain needs them to solve its contacts. Otherwise it would treat the bodies as free. A string absorbs a part of
-each impulse, and this energy would then be lost.
+A SoftChain needs these forces to solve its contacts. Otherwise it would treat the bodies as free. A string absorbs a
+part of each impulse, and this energy would then be lost.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def _strings(space: pymunk.Space, body: pymunk.Body, centre: Array) -> Iterator[
 def _hold(expected: Array, mobility: Array, direction: Array, speed: float) -> None:
     """Apply the constraint of a string, in place.
 
-    It removes the velocity beyond `speed` along the string, and the mobility along the string.
+    The constraint removes the velocity beyond `speed` along the string, and the mobility along the string.
     """
     # Projection: the impulse of the string changes the velocity along the string to `speed`.
     pulled = mobility @ direction

@@ -21,10 +21,10 @@ OPEN until its coupler has coupled.
 
 On strings, the term omega² (r - d) is added to w', where r is the overlap at rest.
 
-The capacity C is the force of the law at the smallest overlap that the tolerance distinguishes from 0. It exceeds the
-preload F. Without this capacity, overlaps inside a rigid-like cluster behind a soft interface would start at 1e-100,
-and no step could follow them. At a switch, Gauss's principle decides which constraints move on. It requires
-accelerations as close as possible to the free ones, with multipliers inside their bounds.
+The capacity C is the force of the law at the smallest overlap that the tolerance distinguishes from 0. The capacity
+exceeds the preload F. Without this capacity, overlaps inside a rigid-like cluster behind a soft interface would start
+at 1e-100, and no step could follow them. At a switch, Gauss's principle decides which constraints move on. This
+principle requires accelerations as close as possible to the free ones, with multipliers inside their bounds.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ FIXED = TOUCHING, HELD, STICKS
 # bound.
 AT_REST = {"corner": (OPEN, TOUCHING, LOADED), "turn": (RELEASED, HELD, LOADED), "bed": (BACKWARD, STICKS, FORWARD)}
 
-# Allowed local error of a step, as a fraction of the wanted error of the run. It is so small that the errors of
+# Allowed local error of a step, as a fraction of the wanted error of the run. With this small fraction, the errors of
 # thousands of steps together stay below the wanted error.
 RELATIVE_SMOOTH = 1e-4
 RELATIVE_STIFF = 1e-3  # The same fraction for stiff contacts. Their steps damp errors, so the fraction may be larger.
@@ -136,7 +136,9 @@ class System:
         return from_anchor(y[..., self.m : self.m + self.n], y[..., -1], self.chain.anchor)
 
     def pull(self, y: Array) -> Array:
-        """Return the (..., n) accelerations [m/s²] of the joints by the strings. They act towards the overlaps at rest."""
+        """Return the (..., n) accelerations [m/s²] of the joints by the strings. The accelerations are directed towards
+        the overlaps at rest.
+        """
         overlap = self.laws.origin[self.first] + self.laws.side[self.first] * y[..., self.first]
         return self.chain.swing * (self.rest - overlap)
 
@@ -159,7 +161,7 @@ class System:
         return self.laws.section(y[: self.m], self.row_velocity(y)[: self.m], 2.0 * self.least_overlap)
 
     def on_joints(self, force: Array) -> Array:
-        """Return the (..., n) forces between neighbours [N]. They are negative if contacts pull.
+        """Return the (..., n) forces between neighbours [N]. The forces are negative if contacts pull.
 
         The argument contains the forces of the sides of contacts (..., m), or of all constraints (..., p).
         """
@@ -177,13 +179,15 @@ class System:
         return self.steady + span.push_at(time) if self.chain.forces else self.steady
 
     def brake(self, time: Any, span: Span) -> Array:
-        """Return the (..., n+1) friction [N] of sliding beads at `time` (...). It includes the bed and the brakes."""
+        """Return the (..., n+1) friction [N] of sliding beads at `time` (...). The friction includes the bed and the
+        brakes.
+        """
         return self.bed + span.brake_at(time) * np.isfinite(self.chain.mass) if self.chain.brakes else self.bed
 
     def least_turn(self, overlap: Array) -> Array:
         """Return the (..., m) rates [m/s] below which contacts with loss count as resting.
 
-        They are proportional to the overlap.
+        These rates are proportional to the overlap.
         """
         return self.least_rate * np.clip(overlap / self.laws.depth, 0.0, 1.0)
 
@@ -231,8 +235,8 @@ class Phase:
         self.stands |= self.still[:-1] & self.still[1:]
 
     def given(self, time: Any, y: Array) -> Array:
-        """Return the (..., p) forces [N] of all constraints that are not fixed. They follow from contact laws and
-        friction.
+        """Return the (..., p) forces [N] of all constraints that are not fixed. These forces follow from contact laws
+        and friction.
         """
         system = self.system
         force = system.laws.force(y[..., : system.m], self.section, self.unloading)
@@ -410,7 +414,7 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
     corner = (mode[:m] == TOUCHING) | (
         slow[:m] & ~yields & (np.abs(overlap) <= 2.0 * system.least_overlap) & system.acts()
     )
-    # Contacts with loss that come to rest while compressed. They are between loading and unloading.
+    # Contacts with loss that come to rest while compressed. Such contacts are between loading and unloading.
     turns = (mode[:m] == LOADED) | (mode[:m] == RELEASED)
     turns &= (loss > 0.0) & (np.abs(velocity[:m]) <= 2.0 * system.least_turn(overlap))
     turns |= mode[:m] == HELD
@@ -452,7 +456,7 @@ def _brake(system: System, span: Span, time: float, mode: Modes, velocity: Array
 def _stop(rests: Phase, y: Array) -> None:
     """Set the velocities of constraints at rest to 0, in place.
 
-    This is done by impulses between the beads, which conserve momentum.
+    Impulses between the beads change the velocities, so momentum is conserved.
     """
     system, rate = rests.system, y[rests.system.m : -2]
     left = (rests.solved @ system.row_velocity(y)) @ system.rows * system.chain.inverse_mass

@@ -1,9 +1,9 @@
 """Reference method `scipy`. It integrates a separate right-hand side in NumPy by SciPy's `solve_ivp`, and locates every
 contact switch.
 
-It does not use any kernel of the methods that it checks. Time is divided into phases in which no contact changes its
-mode. A margin measures the distance of a constraint from its next switch. A phase ends at the time when the first
-margin reaches 0. The next phase starts at this time with new modes.
+The reference does not use any kernel of the methods that it checks. Time is divided into phases in which no contact
+changes its mode. A margin measures the distance of a constraint from its next switch. A phase ends at the time when the
+first margin reaches 0. The next phase starts at this time with new modes.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ Array = NDArray[np.float64]
 
 EVALUATIONS_A_STEP = 3  # Number of evaluations that count as one step if the number of steps of a run is limited.
 
-SMOOTH = "DOP853"  # Integrator for chains whose exponents are all >= 1. Their contacts are never stiff.
-STIFF = "Radau"  # Integrator for chains with an exponent below 1. Their stiffness is unbounded.
+SMOOTH = "DOP853"  # Integrator for chains whose exponents are all >= 1. The contacts of such chains are never stiff.
+STIFF = "Radau"  # Integrator for chains with an exponent below 1. The stiffness of such chains is unbounded.
 # Error of a located switch, as a fraction of a contact time. SciPy calls brentq with a tolerance of 4 ulp of 1.
 ROOT = 4e-15
 # Fractions of a step at which margins are checked. SciPy itself checks them only at the end of a step.
 LOOKS = np.linspace(0.0, 1.0, 8, endpoint=False)
-# Nodes and weights of the quadrature on [-1, 1]. It has the same order as the dense solution.
+# Nodes and weights of the quadrature on [-1, 1]. The quadrature has the same order as the dense solution.
 GAUSS = np.polynomial.legendre.leggauss(7)
 QUIET = np.errstate(under="ignore")  # Underflow of powers of overlaps close to 0 is not an error.
 MOST_PHASES = 20_000  # Largest number of phases of a run. If a run has more phases, its contacts chatter.
@@ -126,8 +126,8 @@ class _Run:
     def _is_over(self) -> bool:
         """Return True if the motion is over.
 
-        This is the case if nothing moves and no force acts. It is also the case if no contact pushes now or later, even
-        while beads slide to rest.
+        This is the case if nothing moves and no force acts. The motion is also over if no contact pushes now or later,
+        even while beads slide to rest.
         """
         system, phase = self.system, self.phase
         if np.isfinite(phase.span.end):
@@ -299,7 +299,8 @@ class _Run:
     def _taken_in(self, segment: _Segment, times: Array, before: Array) -> tuple[Array, Array]:
         """Return the (T, 4) energies up to `times` inside a segment, and the energies at the end of the segment.
 
-        They are computed by Gauss quadrature in every step. `before` are the energies at the start of the segment.
+        The energies are computed by Gauss quadrature in every step. `before` are the energies at the start of the
+        segment.
         """
         system, phase = self.system, segment.phase
         # Steps of the integrator and sample times divide the segment into smooth pieces.
