@@ -296,7 +296,7 @@ class Chain(Shown):
             way = np.asarray(overlap)[..., i]
             found[..., i] = contact.stored_energy(way, power)
             if force is not None and contact.pulling:
-                # These couplers have not coupled yet: they are stretched beyond their slack, but do not pull.
+                # Couplers that have not coupled yet: they are stretched beyond their slack, but do not pull.
                 free = (way < contact.pulls_below) & (np.asarray(force)[..., i] >= 0.0)
                 found[..., i] = np.where(free, 0.0, found[..., i])
         return found

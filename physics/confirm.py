@@ -49,7 +49,7 @@ from softcradle.physics.status import CodedWarning, Status, WarningCode
 Array = NDArray[np.float64]
 
 # Confirmation by finer runs
-FINER = 10.0  # Ratio of the tolerances of successive runs
+FINER = 10.0  # Ratio of the tolerances of two successive runs
 # Lower limit of the reported error after further runs have confirmed it, as a fraction of the error estimate of the
 # first run. Two runs may agree by chance, or because both damp a motion that neither of them resolves. The estimate of
 # the first run is often ten times too large. In `benchmarks scan`, three chains would have undetected errors without
@@ -63,7 +63,8 @@ ELAPSED_PART = 1.0 / 1500.0
 # Step of each run, as a fraction of the longest step. The fractions are irregular to make the runs different. The last
 # run provides the result.
 PARTS = (1.0, 0.83, 0.61, 0.5)
-# Number of steps after which such a run doubles its step length. A long motion then takes only few more steps.
+# Number of steps after which a run of `conserving` doubles its step length. A long motion then takes only few more
+# steps.
 STEPS_ALIKE = 12_000
 # Energy balance
 SOFTEST = 0.02  # Exponent of contacts below which the energy balance also limits the error

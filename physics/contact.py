@@ -145,7 +145,8 @@ class Contact:
         way = math.sqrt(math.pi) * math.gamma(1.0 / power) / (power * math.gamma(1.0 / power + 0.5))  # B(1/p, 1/2) / p
         # Largest overlap, computed from the equation for T.
         depth = time * v / (way * (1.0 + 1.0 / math.sqrt(1.0 - unit.loss)))
-        # ln K, computed from the equation for d_max. It is limited to values whose exponential is a valid float.
+        # ln K, computed from the equation for d_max. The logarithm is limited to values whose exponential is a valid
+        # float.
         exact = math.log(0.5 * power * mu) + 2.0 * math.log(v) - power * math.log(depth)
         return cls(0.0, math.exp(min(max(exact, -700.0), 700.0)), exponent, loss)
 

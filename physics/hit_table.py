@@ -76,7 +76,7 @@ class HitLog:
         self.time += step
         if not pushes.any() and not self._acts.any():
             return
-        # These contacts have opened by the end of the last step.
+        # Log the hits of contacts that have opened by the end of the last step.
         for i in np.flatnonzero(self._acts & ~pushes).tolist():
             self._finish(i, self.time - step)
         for i in np.flatnonzero(pushes & ~self._acts).tolist():

@@ -1,10 +1,10 @@
 """Kernels in two versions: compiled machine code, and the same source as plain Python. Plain Python is used until the
 machine code is available.
 
-Compiling takes up to about a minute, once per machine. Plain Python gives bitwise the same results without this delay,
-but it is some hundred times slower. Therefore a run starts in plain Python, while a background process compiles into
-the cache on disk. A run that is too long for plain Python waits for the machine code. With the environment variable
-SOFTCRADLE_COMPILE=first, the kernels are compiled before the first run, in the same process.
+Compiling the kernels takes up to about a minute, once per machine. Plain Python gives bitwise the same results without
+this delay, but it is some hundred times slower. Therefore a run starts in plain Python, while a background process
+compiles into the cache on disk. A run that is too long for plain Python waits for the machine code. With the
+environment variable SOFTCRADLE_COMPILE=first, the kernels are compiled before the first run, in the same process.
 """
 
 from __future__ import annotations

@@ -132,8 +132,8 @@ class PiecewiseContact:
 
     @property
     def smooth(self) -> bool:
-        """True if certain segments have exponents of at least 1: all pulling ones, and all on a side with several
-        segments.
+        """True if certain segments have exponents of at least 1: all pulling segments, and all segments on a side with
+        several segments.
         """
         return all(
             segment.exponent >= 1.0

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 # friction (1), status and codes of warnings (2), time-dependent forces (3), couplers (4), user-defined laws (5), the
 # speed to which the tolerance is relative (6), contacts of segments and couplers that couple later (7).
 FORMAT = 8
-# Key of a contact with a user-defined law. It is also the first part of the names of the arrays of its table.
+# Key of a contact with a user-defined law. The names of the arrays of the law's table begin with the same word.
 OWN_LAW = "own_law"
 
 DIMENSIONS = {"bead": ("time", "bead"), "contact": ("time", "contact"), "": ("time",)}
@@ -218,7 +218,7 @@ def _contact(stored: dict[str, Any], laws: dict[int, OwnLaw], arrays: Mapping[st
 
     `laws` collects the user-defined laws by number, because several contacts may share one law.
     """
-    # User-defined law. Its table is read once, and contacts with this law share it.
+    # User-defined law. The table of the law is read once, and all contacts with this law share it.
     if OWN_LAW in stored:
         number = stored[OWN_LAW]
         if number not in laws:

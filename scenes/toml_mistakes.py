@@ -151,7 +151,9 @@ def _possible_repairs(lines: list[str], error: SyntaxProblem) -> Iterator[tuple[
 
 
 def _masked(line: str) -> str:
-    """Return the line with placeholders for all characters of quoted text and comments. Its length does not change."""
+    """Return the line with placeholders for all characters of quoted text and comments. The length of the line does not
+    change.
+    """
     return STRING.sub(lambda found: found[0][0] + "_" * (len(found[0]) - 2) + found[0][-1], line)
 
 

@@ -136,7 +136,7 @@ def explicit_warnings(problem: Problem, record: Record) -> Warnings:
 def returning_warnings(problem: Problem, record: Record) -> Warnings:
     """Return a warning if contacts close again so often that the errors of fixed steps may have become large.
 
-    Each collision multiplies the errors of the previous ones. The limit was measured with 480 random chains (``python
+    Each collision multiplies the errors of earlier collisions. The limit was measured with 480 random chains (``python
     -m benchmarks conserving --errors``). Four runs have errors above 1e-3 of the closing speed at the default step, and
     four at four times the default step. Seven of these eight runs have the warning, and so do 29 other runs. Chains
     with friction or loss are excluded, because their errors decay together with the motion.

@@ -57,9 +57,9 @@ class SoftContact(pymunk.DampedSpring):
     True.
 
     A Contact with loss pushes with a fraction of its force while the bodies separate. While they are at rest, its force
-    lies between this fraction and the whole force. It is then the force that keeps the bodies at rest. To find this
-    force, the contact assumes that the other forces on the bodies are the same as in the last step. The force of a
-    Contact with loss depends on velocities, so it is always a Python callback.
+    lies between this fraction and the whole force. Exactly this force keeps the bodies at rest. To find it, the contact
+    assumes that the other forces on the bodies are the same as in the last step. The force of a Contact with loss
+    depends on velocities, so it is always a Python callback.
 
     Copies and pickles include the contact, but not a `force_func` that you have set.
 

@@ -225,7 +225,8 @@ class SoftChain:
     def restore(self, state: SoftChainState) -> None:
         """Restore a `state` of this chain or of its copy. The following steps are bitwise reproducible.
 
-        pymunk stores impulses of joints and collisions as a start for its next step. These impulses are not restored.
+        pymunk stores impulses of joints and collisions as a start for its next step. Impulses of this kind are not
+        restored.
         """
         require_kind("state", state, SoftChainState)
         if len(state.bodies) != len(self.bodies):

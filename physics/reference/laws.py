@@ -63,7 +63,7 @@ class Laws:
         for _, rows_of_law in self.own:
             self._terms[:, :, rows_of_law] = np.nan
         energy, power = 0.5 * speed**2 / chain.inverse_reduced_mass[self.joint], 1.0 + self.exponent
-        # Use the smaller of two solutions: for the preload alone, and for the power law alone.
+        # Use the smaller of two solutions: one for the preload only, and one for the power law only.
         with np.errstate(divide="ignore"):
             self.depth = np.minimum(energy / self.preload, (power * energy / self.stiffness) ** (1.0 / power))
         for law, of_law in self.own:
