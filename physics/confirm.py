@@ -56,7 +56,7 @@ FINER = 10.0  # Ratio of the tolerances of two successive runs
 # this limit: `extreme` 855 at 1e-6, `clusters` 76 at 1e-4 and `one-on-n` 1747 at 1e-8.
 LEAST_OF_ESTIMATE = 0.1
 # Runs of `conserving` that finish a motion
-STEP_PART = 0.25  # Longest step of these runs, as a fraction of the default step
+STEP_PART = 0.25  # Longest step of the runs of `conserving`, as a fraction of the default step
 # Longest step as a fraction of the elapsed time of the motion. The longer of both limits applies, so that the number of
 # steps stays bounded.
 ELAPSED_PART = 1.0 / 1500.0
@@ -337,8 +337,8 @@ def _finished(problem: Problem, given_up: Record) -> Record:
     # method.
     velocities = np.array([end.velocity for end in ends])
     spread = _error_of(np.ptp(velocities, axis=0) + _rattling(problem.chain, ends[-1].end))
-    # The error estimate of the adaptive run is reliable if its amplification is small. Otherwise it is often ten times
-    # too large.
+    # The error estimate of the adaptive run is reliable if the error amplification is small. Otherwise the estimate is
+    # often ten times too large.
     part = 1.0 if given_up.growth <= MOST_GROWN else LEAST_OF_ESTIMATE
     error = part * given_up.velocity_error + spread
     # Samples before the change of method come from the adaptive run. The last run of `conserving` provides the others.

@@ -265,8 +265,8 @@ def _passed_on(chain: Chain, drives: Array) -> Array:
 
 
 def contact_scales(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> tuple[Array, Array]:
-    """Return estimates (n,) of the largest overlap [m] and of the contact time [s], as if each contact were the only
-    one that is struck.
+    """Return estimates (n,) of the largest overlap [m] and of the contact time [s], for each contact separately, as if
+    two free beads collided.
 
     The speed is the largest speed within `duration` [s]. The overlap d follows from the energy balance ``F d + K
     d**(1+a)/(1+a) = mu v**2 / 2`` with the reduced mass mu. The overlap is approximated by the smaller of the two
@@ -287,7 +287,7 @@ def struck_depth(preload: Array, stiffness: Array, exponent: Array, energy: Arra
 
 
 def scales_at(chain: Chain, speed: float) -> tuple[Array, Array]:
-    """Return the overlaps (n,) [m] and contact times (n,) [s] of contacts that are struck alone at `speed` [m/s]."""
+    """Return the overlaps (n,) [m] and contact times (n,) [s] of single contacts that close at `speed` [m/s]."""
     energy = 0.5 * speed * speed / chain.inverse_reduced_mass
     preload, stiffness, exponent = chain.law_rows.T
     depth = struck_depth(preload, stiffness, exponent, energy)
@@ -385,7 +385,7 @@ def _computable_speeds(chain: Chain) -> tuple[float, float]:
 
 
 def require_computable(chain: Chain, velocity: ArrayLike, duration: float | None = None) -> None:
-    """Raise ValueError if powers of an overlap would leave the range of floats, because it is too small or too large."""
+    """Raise ValueError if a contact overlap would be so small or so large that its powers leave the range of floats."""
     speed = speed_scale(chain, velocity, duration)
     least, most = _computable_speeds(chain)
     if least < speed < most:

@@ -136,7 +136,7 @@ def solve(
     record.warnings += unusual_warnings(chain, velocity, problem.tolerance)
     if not chosen.set_valued:
         record.warnings += explicit_warnings(problem, record)
-    elif step is not None:  # The default step is never too coarse.
+    elif step is not None:  # The default step is never too long.
         record.warnings += coarse_warnings(problem)
     if problem.step and not any(warning.code is WarningCode.CHATTER for warning in record.warnings):
         record.warnings += returning_warnings(problem, record)

@@ -173,8 +173,8 @@ def _search(
     """Search for the nearest contact, starting from several contacts.
 
     Return the nearest contact, its distance, the parameters at an end of their range, and the number of collisions.
-    Compute the distance of all `starts` first. Then run the Nelder-Mead method from the nearest ones, in the logarithms
-    of both parameters.
+    Compute the distance of all `starts` first. Then run the Nelder-Mead method from the nearest starts, in the
+    logarithms of both parameters.
     """
     low, high = np.log(_ranges(family, starts[0], depth)).T
     evaluations = 0

@@ -40,8 +40,8 @@ class Ringing:
 
 
 def turning_points(curve: ArrayLike, swing: float | None = None) -> NDArray[np.int_]:
-    """Return the indices of the turning points of `curve` (T,). Between two of them, the curve changes by at least
-    `swing`.
+    """Return the indices of the turning points of `curve` (T,). Between two turning points, the curve changes by at
+    least `swing`.
 
     The default of `swing` is LEAST_SWING times the range of the curve. Pass another value if the curve may be constant,
     because its range is then only round-off.

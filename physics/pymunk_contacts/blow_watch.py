@@ -29,7 +29,8 @@ class BlowWatch:
     fastest : float
         Speed of the fastest collision of a SoftContact so far [m/s].
     too_long, passed : set of str
-        Contact laws for which a warning has been given: about a too long step, and about passed bodies.
+        Contact laws for which a warning has been given: that the step is too long, and that bodies have passed each
+        other.
     """
 
     fastest: float = 0.0

@@ -33,7 +33,7 @@ class Laws:
         preload: (m,) force [N] at which each row begins to yield.
         loss: (sections, m) fraction of its energy that each segment dissipates.
         begin, end: (sections, m) displacements [m] at which each segment begins and ends; inf for unused sections.
-        depth: (m,) displacement [m] of a row that is struck alone at the speed of the motion.
+        depth: (m,) largest displacement [m] of each row if only its contact closes at the speed of the motion.
         stiff: True if the slope of a force is unbounded at small overlaps.
     """
 

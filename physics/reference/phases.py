@@ -428,8 +428,8 @@ def next_phase(before: Phase, span: Span, time: float, y: Array, closing: Which,
         "bed": (mode >= BACKWARD) & (slow | (mode == STICKS)),
     }
     resting = np.logical_or.reduce(list(kinds.values()))
-    # First assume that all other constraints rest. Then Gauss's principle decides which of them move on, and in which
-    # direction.
+    # First assume that all other constraints rest. Then Gauss's principle decides which constraints move on, and in
+    # which direction.
     if resting.any():
         for kind, rows in kinds.items():
             mode[rows] = AT_REST[kind][1]
