@@ -1,5 +1,6 @@
-"""Tests of the errors of adaptive methods: at most ten tolerances unless the run warns, and at most the estimated
-error.
+"""Tests of the errors of the adaptive methods.
+
+The error of a run must not exceed ten tolerances unless the run warns. It must also not exceed the estimated error.
 """
 
 import math
@@ -27,18 +28,20 @@ from softcradle import scenes
 from tests.helpers.relations import KERNELS, PROMISE, assert_sound, closing_speed, run, simulate_quietly, struck
 from tests.helpers.truth import ELASTIC, GEAR, GEARS
 
-TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))  # Steps of a quarter decade from 1e-3 to 1e-10.
-HALF_DECADES = TOLERANCES[:21:2]  # Down to 1e-8, for motions that need many long runs.
-FINE_RUNS = 8  # Number of fine runs of a motion that show how precisely the motion is determined.
-# Relative change of masses between the fine runs: a few units in the last place, like the difference between two
-# processors.
+# Tolerances from 1e-3 to 1e-10, in steps of a quarter decade.
+TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))
+HALF_DECADES = TOLERANCES[:21:2]  # Tolerances down to 1e-8 in half decades, for motions that need many long runs.
+FINE_RUNS = 8  # Number of fine runs that measure how precisely a motion is determined.
+# Relative change of the masses between the fine runs. It is a few units in the last place, like the difference between
+# two processors.
 SHAKEN = 1e-14
-SPREADS = 3.0  # Allowed distance of another run from the mean of the fine runs, in spreads of the fine runs.
+# Largest allowed distance of a run from the mean of the fine runs, in standard deviations of the fine runs.
+SPREADS = 3.0
 RATTLES = one_on(15, power_law(1.0, 0.010969857978923836))
 
 
 def lanes():
-    """Return every lane of every scene that ends by itself, without duplicates."""
+    """Return every chain of every scene whose run ends by itself. Each chain is returned once."""
     found = {}
     for name in scenes.names():
         for k, lane in enumerate(scenes.load(name).lanes):
@@ -64,8 +67,10 @@ def test_error_stays_below_ten_tolerances(method, truth):
 
 @pytest.mark.parametrize(("n", "softness"), [(5, 14), (10, 30), (20, 50)])
 def test_error_in_deep_clusters(n, softness):
-    """Check deep clusters. With one on 5, the last six bounces have 1e-6 of the speed. There, an error of 1e-10 can
-    change a bounce.
+    """Check the error of collisions with clusters of soft contacts.
+
+    If one bead hits five beads, the last six bounces have 1e-6 of the initial speed. An error of 1e-10 can change such
+    a bounce.
     """
     chain = one_on(n, power_law(1.0, 1.0 / softness))
     exact = run(chain, struck(chain), method="radau", tolerance=1e-12).final_velocity
@@ -74,14 +79,15 @@ def test_error_in_deep_clusters(n, softness):
 
 @pytest.mark.parametrize(("chain", "velocity"), lanes())
 def test_error_in_every_scene(chain, velocity):
-    """Check that the error is at most ten tolerances plus the uncertainty of the motion. The last two beads of `mixed`
-    chatter, and their final velocities are determined to 2e-6 m/s.
+    """Check that the error is at most ten tolerances plus the uncertainty of the motion.
 
-    If a contact bounces often, later bounces amplify the errors of single steps, so finer runs confirm these motions. A
-    run may warn only if the fine runs differ by more than the tolerance.
+    The last two beads of the scene `mixed` chatter, so their final velocities are determined only to 2e-6 m/s.
+
+    If a contact bounces often, later bounces amplify the errors of single steps. Finer runs therefore confirm these
+    motions. A run may warn only if the finer runs differ from each other by more than the tolerance.
     """
     shaken, fine = np.random.default_rng(0), []
-    for _ in range(FINE_RUNS):  # Masses of these runs differ by round-off.
+    for _ in range(FINE_RUNS):  # The masses of these runs differ by round-off.
         mass = np.array(chain.mass) * (1.0 + SHAKEN * shaken.uniform(-1.0, 1.0, chain.contacts + 1))
         fine.append(simulate_quietly(replace(chain, mass=mass), velocity, method="radau", samples=2, tolerance=1e-10))
     ends = np.array([found.final_velocity for found in fine])
@@ -95,11 +101,12 @@ def test_error_in_every_scene(chain, velocity):
 
 
 def test_error_under_a_steady_push():
-    """Check a pushed cluster. It returns to almost no overlap, where a change d of the overlap changes a velocity by
-    sqrt(d).
+    """Check a cluster of beads that is pushed by a constant force.
 
-    The exact velocities are from `reference_end` of the scan in extended precision at 1e-13, and known to 4e-13 m/s.
-    Finer runs differ by 1e-9.
+    The overlaps return almost to zero. Near zero overlap, a change d of the overlap changes a velocity by sqrt(d).
+
+    The exact velocities were computed by `reference_end` in extended precision with a tolerance of 1e-13. They are
+    known to 4e-13 m/s. Finer runs of the tested method differ by 1e-9.
     """
     scene = scenes.load("driven-cluster")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
@@ -113,21 +120,23 @@ def test_error_under_a_steady_push():
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize(("n", "ratio"), [(4, 1.005), (4, 1.014), (10, 1.005), (10, 1.014)])
 def test_a_gear_that_yields_for_a_moment_is_seen(method, n, ratio, tolerance):
-    """Check that a short yielding is found. Just above the critical speed, an inner contact exceeds its preload by 0.1
-    % between the nodes of a step.
+    """Check that a draft gear that yields only for a short time is detected.
+
+    Just above the critical speed, the force of an inner contact exceeds its preload by 0.1 % between the nodes of a
+    step.
     """
     chain, speed = one_on(n, GEAR), ratio * critical_speed(GEAR, np.ones(n + 1), 1)
     reference = run(chain, speed * struck(chain), method="radau", tolerance=1e-12)
     found = run(chain, speed * struck(chain), method=method, tolerance=tolerance)
     assert np.abs(found.final_velocity - reference.final_velocity).max() < PROMISE * tolerance * speed
     assert np.ptp(found.final_velocity[1:]) > 1e-5
-    if tolerance < 1e-3:  # The tolerance 1e-3 cannot distinguish bounces with a thousandth of the speed.
+    if tolerance < 1e-3:  # At the tolerance 1e-3, a run cannot resolve bounces with a thousandth of the speed.
         assert len(found.contact_intervals[1]) == len(reference.contact_intervals[1])
 
 
 def spring_from_rest(seed):
-    """Return a chain with a steady force that begins within long steps. Its error is visible in the overlaps but not in
-    the rates.
+    """Return a chain on which a constant force begins to act in the middle of long steps. The resulting error is
+    visible in the overlaps but not in their rates.
     """
     stiffness = np.random.default_rng(seed).uniform(3.0, 5.0)
     laws = [Contact(1.69, 3.17, 0.287), Contact(0.0194, stiffness, 1.0), step_force(0.272)]
@@ -136,14 +145,16 @@ def spring_from_rest(seed):
 
 
 def stiff_beside_pressed(_):
-    """Return a chain with an almost linear law, on which Newton's iteration converged slowly and was stopped too early."""
+    """Return a chain with an almost linear contact law. Newton's iteration converged slowly on it and was stopped too
+    early.
+    """
     laws = [Contact(1.9, 23.6, 0.956, loss) for loss in (0.2, 0.7, 0.9)]
     return Chain([8.4, 0.113, 2.86, 1.12], laws), [1.0, 1.0, 0.0, 0.0], 0.154
 
 
 def soft_under_a_growing_push(seed):
-    """Return a chain whose preload moves a contact much further in a step than its overlap. The overlaps still do not
-    determine its rate.
+    """Return a chain with a preloaded contact that moves by much more than its overlap in one step. The overlaps still
+    do not determine the rate of the contact.
     """
     drawn = np.random.default_rng(seed)
     yielding = Contact(drawn.uniform(0.05, 0.4), drawn.uniform(0.2, 1.0), drawn.uniform(0.7, 0.95))
@@ -169,18 +180,19 @@ def test_a_contact_that_yields_within_long_steps(make, seeds, truth, methods):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_bead_that_returns_to_zero_overlap_keeps_the_tolerance(seed):
-    """Check a bead that a steady force pushes against a wall from overlap 0. A step across its return would see a
-    smooth force.
+    """Check a bead that starts at overlap 0 and is pushed against a wall by a constant force. A step that contains the
+    return of the bead to overlap 0 would treat the force as smooth.
     """
     draw = np.random.default_rng(seed)
     law, push, mass = hertz(10.0 ** draw.uniform(-1, 2)), 10.0 ** draw.uniform(-1, 0), 10.0 ** draw.uniform(-1, 1)
     chain = Chain([mass, np.inf], law, drive=[push, 0.0])
     deepest = (2.5 * push / law.stiffness) ** (2.0 / 3.0)
-    period = np.sqrt(2.0 * mass * deepest / push) * beta(1.0 / 3.0, 0.5) / 1.5  # Closed form from the energy balance.
+    # Period of the oscillation in closed form, from the energy balance.
+    period = np.sqrt(2.0 * mass * deepest / push) * beta(1.0 / 3.0, 0.5) / 1.5
     for part in (1.25, 1.5, 2.3):
         wanted = run(chain, [0, 0], part * period, method="radau", tolerance=1e-12).final_velocity[0]
         if part == 1.5:
-            assert wanted == pytest.approx(0.0, abs=1e-7)  # The bead is at its largest overlap.
+            assert wanted == pytest.approx(0.0, abs=1e-7)  # At this time the bead is at its largest overlap.
         for tolerance in 10.0 ** np.arange(-5.0, -9.1, -0.5):
             found = run(chain, [0.0, 0.0], part * period, method="dop853", tolerance=tolerance)
             speed = max(np.ptp(found.velocity), 1.0)
@@ -189,8 +201,8 @@ def test_a_bead_that_returns_to_zero_overlap_keeps_the_tolerance(seed):
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1.05e-6, 1e-8])
 def test_a_chattering_motion_reports_what_is_determined(tolerance):
-    """Check a chain with about 1e5 bounces at 1e-6 m/s. Runs of `conserving` with steps from 1e-2 to 1e-5 s agree
-    within 3e-5 m/s.
+    """Check a chain whose contacts bounce about 1e5 times at 1e-6 m/s. Runs of the method `conserving` with steps from
+    1e-2 to 1e-5 s agree within 3e-5 m/s.
     """
     found = simulate_quietly(RATTLES, struck(RATTLES), tolerance=tolerance)
     assert found.status == Status.BUDGET_SPENT
@@ -203,9 +215,9 @@ def test_a_chattering_motion_reports_what_is_determined(tolerance):
     assert found.time.size == 201
     np.testing.assert_allclose(found.velocity[-1], found.final_velocity, atol=1e-12)
     assert (np.diff(found.time) > 0.0).all()
-    assert_sound(found)  # Contacts close and open in turn, even when the method changes during the run.
+    assert_sound(found)  # Each contact must close and open in turn, even if the method changes during the run.
     assert max(intervals[-1][1] for intervals in found.contact_intervals) <= found.time[-1] * (1.0 + 1e-9)
-    assert found.contact_intervals[0][-1][1] > 1.5  # The struck contact stays closed almost until the end.
+    assert found.contact_intervals[0][-1][1] > 1.5  # The contact that is hit stays closed almost until the end.
 
 
 def test_a_departing_bead_does_not_change_the_tolerance():
@@ -216,8 +228,8 @@ def test_a_departing_bead_does_not_change_the_tolerance():
 
 
 def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):
-    """Check that a run continues with a larger log, and does not start again. No mode change is lost, with few or many
-    samples.
+    """Check that a run whose event log is full continues with a larger log instead of starting again. No mode change
+    may be lost, with few or many samples.
     """
     chain = one_on(7, power_law(1.0, 0.02))
     problem = Problem(chain, State.at_start(chain, struck(chain)), "radau", None, 0.0, 1e-7, 2)
@@ -237,8 +249,8 @@ def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):
     ("n", "exponent", "tolerance"), [(7, 0.0216426, 1e-6), (9, 0.0243379, 1e-8), (17, 0.0061423, 1e-8)]
 )
 def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, tolerance):
-    """Check the slowest of 1000 random chains one on n. They needed five runs, each ten times finer, of up to 55 000
-    steps.
+    """Check the slowest of 1000 random chains in which one bead hits n beads. These motions needed five runs, each with
+    a tolerance ten times finer than the previous one, of up to 55 000 steps.
     """
     chain = one_on(n, power_law(1.0, exponent))
     found = solve(chain, struck(chain), samples=2, tolerance=tolerance)
@@ -250,15 +262,15 @@ def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, 
 
 
 def test_chattering_from_rest_is_not_followed_bounce_by_bounce():
-    """Check a chain whose contacts first close at 1e-10 of the speed that the drive gives them later. They would bounce
-    more than 1e9 times in almost no time.
+    """Check a chain whose contacts first close at 1e-10 of the speed that the external force gives them later. If each
+    bounce were computed, there would be more than 1e9 bounces in almost no time.
     """
     push = [-0.28, -0.11, -1.0, 0.43, -0.19, -1.08]
     chain = Chain([0.14, 0.11, 0.21, 0.11, 0.8, 0.64], power_law(5.1, 0.06), gap=[0.04, 0, 0, 0, 0], drive=push)
     for tolerance in (1e-8, 1e-10):
         found = solve(chain, [0.0] * 6, 0.04, samples=2, tolerance=tolerance)
         assert found.status == Status.BUDGET_SPENT
-        assert found.steps < 400_000  # Following each bounce would take a hundred million steps.
+        assert found.steps < 400_000  # If each bounce were computed, the run would take a hundred million steps.
         assert found.velocity_error.max() < 1e-6
 
 
@@ -271,15 +283,15 @@ def test_a_signal_is_heard_within_a_run(monkeypatch):
     signal.setitimer(signal.ITIMER_REAL, 0.3)
     try:
         with pytest.raises(InterruptedError, match="heard"):
-            deque(map(confirm.run, repeat(problem)), maxlen=0)  # Only the signal ends this loop.
+            deque(map(confirm.run, repeat(problem)), maxlen=0)  # This loop is endless. Only the signal stops it.
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
 
 
 def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch):
-    """Check that each sample is taken exactly once if steps of different lengths end between the samples."""
-    # These samples are before the end phase, which uses another method.
+    """Check that each sample is stored exactly once if several steps of different lengths end between the sample times."""
+    # These samples are before the last part of the run, which uses another method.
     early = solve(RATTLES, struck(RATTLES), 2.5, samples=[0.5, 1.0])
     assert (early.status, early.time.tolist()) == (Status.BUDGET_SPENT, [0.5, 1.0])
     times = np.linspace(1.8, 2.0, 4001)  # Each step contains several samples.
@@ -291,11 +303,13 @@ def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch)
     assert doubled.overlap.shape == plain.overlap.shape
 
 
-# The first seeds once had undetected errors, up to 2e-4 of the speed.
+# The first seeds in this list once had undetected errors of up to 2e-4 of the speed.
 @pytest.mark.parametrize("seed", [18, 29, 51, 93, 98, 140, 144, *range(200, 216)])
 def test_no_error_of_a_return_at_rest_is_silent(seed):
-    """Check a drive just above the preload of a spring at a wall. After each period the bead is at rest at d = 0, where
-    the force jumps. An error e of its velocity becomes an error sqrt(e) there.
+    """Check a bead at a wall on a preloaded spring, driven by a force just above the preload.
+
+    After each period the bead is at rest at d = 0, where the contact force jumps. A velocity error e before this point
+    becomes a velocity error sqrt(e) after it.
     """
     draw = np.random.default_rng(seed)
     preload, stiffness, mass = 10.0 ** draw.uniform(-1, 1, 3)
@@ -308,7 +322,9 @@ def test_no_error_of_a_return_at_rest_is_silent(seed):
 
 
 def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
-    """Check a bead with 600 bounces between two springs. Bounces at full speed do not count against the step budget."""
+    """Check a bead that bounces 600 times between two springs. Bounces at full speed must not count against the step
+    budget.
+    """
     monkeypatch.setattr(usual_budget, "CONTACT_STEPS", 1000)
     monkeypatch.setattr(usual_budget, "STEPS_A_CONTACT", 0)
     bounces, gap, stiffness = 600, 1.0, 1e4
@@ -321,19 +337,21 @@ def test_bounces_at_full_speed_go_on_and_are_determined(monkeypatch):
 
 
 def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
-    """Check a bead that a steady force presses on a wall. It took 43 million steps (minutes) for a seventh of a second."""
+    """Check a bead that a constant force presses against a wall. Without a step budget, a seventh of a second of this
+    motion took 43 million steps, which is minutes of computing time.
+    """
     monkeypatch.setattr(usual_budget, "MOST_LASTING", 1e4)
     chain = Chain([1.0, math.inf], power_law(1.27, 0.113), drive=[0.036, 0.0])
     found = solve(chain, [0.0, 0.0], 2.0, samples=2, tolerance=1e-6)
     assert found.status == Status.BUDGET_SPENT
     assert found.steps < 5e5
-    # The bead rests on the wall, except for 1e-13 m.
+    # The bead rests on the wall. It moves by at most 1e-13 m.
     assert abs(found.final_velocity[0]) <= found.velocity_error[0] < 1e-5
 
 
 def test_the_estimated_error_is_bounded_by_energy_and_momentum():
-    """Check the bound of the estimated error. Two beads have only two pairs of velocities with the same energy and
-    momentum: the present and the initial one.
+    """Check the upper bound of the estimated error for two beads. Only two pairs of velocities have the same energy and
+    momentum: the present pair and the initial pair.
     """
     for mass, velocity, most in (([1.0, 3.0], [1, 0], [1.5, 0.5]), ([math.inf, 1.0, math.inf], [0, 1, 0], [0, 2, 0])):
         chain = Chain(mass, hooke(1.0))
@@ -343,7 +361,9 @@ def test_the_estimated_error_is_bounded_by_energy_and_momentum():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_estimated_error_of_any_chain_is_bounded_by_energy(seed):
-    """Check chains at tolerances so loose that the estimates would be unbounded otherwise."""
+    """Check that energy conservation bounds the estimated error at very loose tolerances. The estimates would be
+    unbounded otherwise.
+    """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 7))
     laws = [power_law(10.0 ** draw.uniform(-1, 1), 10.0 ** draw.uniform(-2, 0)) for _ in range(n)]
@@ -359,7 +379,7 @@ def test_the_estimated_error_of_any_chain_is_bounded_by_energy(seed):
 
 
 def ringing(seed):
-    """Return a chain in which a stiff contact rings as long as a soft contact pushes."""
+    """Return a chain in which a stiff contact oscillates for as long as a soft contact pushes."""
     draw = np.random.default_rng(seed)
     stiff = [hertz, hooke][seed % 2](10.0 ** draw.uniform(3, 4))
     return Chain(10.0 ** draw.uniform(-0.5, 1.0, 3), [stiff, power_law(1e-2, 0.2)])
@@ -369,12 +389,13 @@ WALLED = Chain([math.inf, 1.0, math.inf], hertz(1e4), 0.1)
 STOPPED = Coupler(draft_gear(233.0, 0.00428), hertz(37.0), slack=0.01, travel=0.0263, stop=29_756.0)
 SOLID = Coupler(hertz(54.7), hooke(393.0), travel=0.05, stop=1e4)
 PULLED = Coupler(draft_gear(103.0, 0.00972), draft_gear(35.8, 0.0279))
-GROWING = [  # Chain, start velocities [m/s], durations [s] and tolerances.
-    # Phase errors add up. They were estimated as independent errors of single steps.
+GROWING = [  # Each entry contains a chain, start velocities [m/s], durations [s] and tolerances.
+    # Phase errors add up. An earlier version estimated them as independent errors of single steps.
     *((ringing(seed), [1.0, 0.9, 0.0], [20.0], (1e-4, 1e-5, 1e-6)) for seed in range(4)),
-    # The run ends within a bounce. A bounce that is late because of velocity errors has another velocity at the end.
+    # The run ends during a bounce. If velocity errors delay the bounce, the velocity at the end of the run is
+    # different.
     (WALLED, [0.0, 1.0, 0.0], [4.33, 4.355], (1e-6, 1e-8)),
-    # Stops of couplers, and preloads without slack between them, amplify errors like bounces.
+    # The stops of couplers amplify errors like bounces do. So do preloads of contacts without slack.
     (Chain([5.83, math.inf], STOPPED), [1.07, 0.0], np.linspace(1.5, 1.7, 8), (1e-6, 1e-8)),
     (Chain(np.ones(5), SOLID), [0.0, -0.2, -0.1, -1.3, 0.7], [1.48, 3.0], (1e-6, 1e-8)),
     (Chain([0.13, 7.3, 0.13, 4.7], PULLED), [1.0, 0.0, 0.0, 0.0], [2.6, 4.0], (1e-6, 1e-8)),
@@ -400,7 +421,7 @@ def test_the_stated_errors_hold(method, chain, velocity, durations, tolerances):
             error = np.abs(found.final_velocity - exact.final_velocity)
             assert (error <= found.velocity_error + exact.velocity_error).all(), (duration, tolerance)
             assert error.max() < PROMISE * tolerance * closing_speed(velocity) or found.status in confirm.UNCERTAIN
-            if duration is not None:  # Without a duration, the end times and sample times of the two runs differ.
+            if duration is not None:  # If no duration is given, the two runs have different end times and sample times.
                 apart = np.abs(found.position - exact.position).max(axis=1)
                 assert (apart <= found.position_error + exact.position_error).all(), (duration, tolerance)
                 least = tolerance * found.speed_scale
@@ -410,7 +431,9 @@ def test_the_stated_errors_hold(method, chain, velocity, durations, tolerances):
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-12, 1e-15])
 @pytest.mark.parametrize("law", [draft_gear(1e6, 0.05), power_law(1.0, 0.1), hertz(5.0), hooke(3.0)], ids=str)
 def test_the_estimated_error_is_at_least_round_off(law, tolerance):
-    """Check collisions of two beads with known final velocities, in frames of reference in which they are slow or fast."""
+    """Check collisions of two beads whose final velocities are known. The beads are slow in some frames of reference
+    and fast in others.
+    """
     for seed in range(25):
         draw = np.random.default_rng(seed)
         mass = draw.uniform(0.1, 10.0, 2)

@@ -1,4 +1,7 @@
-"""Tests of mode transitions at an event: branches, segments, sliding, contacts at rest, and missed events."""
+"""Tests of mode transitions at an event.
+
+The tests cover loading branches, segments of couplers, sliding beads, contacts at rest, and missed events.
+"""
 
 import numpy as np
 import pytest
@@ -16,13 +19,13 @@ from tests.helpers.plain_kernels import context_of, effective_records, only_plai
 
 pytestmark = only_plain
 BOUNDS = Bounds(1e-9, 1e-10, 1e-10, 1e-11, 1e-2, 1e-13)
-GEAR = draft_gear(2.0, 0.4)  # The gear touches with forces up to 0.8 N.
+GEAR = draft_gear(2.0, 0.4)  # At overlap 0 the draft gear carries forces up to 0.8 N.
 COUPLER = Coupler(hooke(50.0, loss=0.3), pull=hooke(80.0, loss=0.5), slack=0.1, travel=0.05, stop=1e3)
 SOLID_PULL, PULL, PUSH, SOLID_PUSH = range(4)  # Segments of the coupler.
 
 
 class Rows:
-    """A chain at rest with all contacts at their events, as kernel records."""
+    """A chain at rest in which all contacts are at an event, stored as kernel records."""
 
     def __init__(self, chain, velocity=None):
         n = chain.contacts
@@ -43,8 +46,8 @@ class Rows:
     ("number", "then", "overlap"), [(SOLID_PUSH, PUSH, 0.05), (SOLID_PULL, PULL, -0.15), (PULL, PUSH, -0.1)]
 )
 def test_an_unloading_coupler_enters_the_previous_segment(number, then, overlap):
-    """Check the new segment and the position of the coupler [m], measured from the overlap at which it begins to push.
-    The position must not change.
+    """Check that an unloading coupler enters the previous segment. The position of the coupler must not change. It is
+    measured in metres from the overlap at which the coupler begins to push.
     """
     rows = Rows(Chain([1.0, 1.0], COUPLER))
     put_segment(0, number, rows.regime, rows.motion)
@@ -69,12 +72,12 @@ def test_only_an_accelerated_bead_starts_to_slide(acceleration, slide, bead):
     assert rows.state.velocity(Chain([1.0, 2.0, 1.0], hertz(1.0))) == pytest.approx(wanted, abs=1e-15)
 
 
-# `part` is the fraction of the largest force.
+# `part` is the contact force as a fraction of the largest force.
 @pytest.mark.parametrize(("part", "side", "mode"), [(1.0, 1, LOADED), (0.0, 0, OPEN)])
 @pytest.mark.parametrize("pulls", [False, True])
 def test_a_gear_that_is_still_held_at_its_bound_gives_way(part, side, mode, pulls):
-    """Check a gear that carries exactly its bound. Its acceleration is 0 to the last digit, so that it would be held
-    forever. A pulling gear has the opposite direction.
+    """Check that a draft gear at the limit of its holding force yields. The acceleration of the gear is 0 to the last
+    digit, so otherwise the gear would be held forever. A pulling gear yields in the opposite direction.
     """
     push = -0.8 * part if pulls else 0.8 * part
     link = Coupler(hooke(50.0), pull=GEAR, slack=0.1, travel=0.05, stop=1e3) if pulls else GEAR
@@ -113,14 +116,15 @@ def test_a_touching_contact_with_loss_has_no_force():
 
 PASSED = [
     (LOADED, -1e-12, -1e-3, 0.3, OPEN, -1e-12),  # The contact opens.
-    # Too slow to count. The second contact is held.
+    # In both cases the opening speed is too low to count. The second contact is held.
     (LOADED, -1e-12, -1e-11, 0.3, LOADED, 0.0), (TOUCHING, 0.0, 0.0, 0.3, TOUCHING, 0.0),
-    # The contact opens, or is too slow to count, without forces of its neighbours.
+    # Without forces of its neighbours, the contact opens in the first case. In the second case it is too slow to count.
     (LOADED, -1e-12, -1e-9, 0.0, OPEN, -1e-12), (LOADED, -1e-12, -1e-14, 0.0, LOADED, 0.0),
-    # The event was not found, or it comes later.
+    # In the first case the event was not found. In the second case the event comes later.
     (OPEN, 1e-12, 1e-3, 0.3, LOADED, 1e-12), (OPEN, -1e-12, 1e-3, 0.3, OPEN, -1e-12),
-    (OPEN, 1e-14, 0.05 * BOUNDS.wanted, 0.3, OPEN, 0.0),  # It closes too slowly to count.
-    (LOADED, -1e-3, 0.0, 0.0, OPEN, -1e-3), (LOADED, -1e-3, 0.0, 0.3, OPEN, -1e-3),  # At rest, but apart.
+    (OPEN, 1e-14, 0.05 * BOUNDS.wanted, 0.3, OPEN, 0.0),  # The contact closes too slowly to count.
+    # The contact is at rest, but the beads do not touch.
+    (LOADED, -1e-3, 0.0, 0.0, OPEN, -1e-3), (LOADED, -1e-3, 0.0, 0.3, OPEN, -1e-3),
     (OPEN, 1e-3, 0.0, 0.3, LOADED, 1e-3),
 ]  # fmt: skip
 
@@ -136,22 +140,22 @@ def test_contacts_that_a_step_has_carried_past_their_corner(mode, overlap, rate,
     assert passed == (mode == LOADED)
     assert (motion.mode.tolist(), motion.overlap.tolist()) == ([LOADED, then, LOADED], [0.5, at, 0.5])
     assert motion.rate[1] == (0.0 if then == LOADED and mode == LOADED else rate)
-    # This rate counts as an error when the contact is pushed again.
+    # The rate that is set to zero counts as an error when the contact is pushed again.
     assert rows.scratch.parting[1] == (-rate if push == at == 0.0 else 0.0)
 
 
 @pytest.mark.parametrize(("force", "found"), [([0.3], True), ([0.1, 0.7], True), ([0.5], False), ([0.3, -1.0], False)])
 def test_a_multiplier_well_within_its_range_needs_no_guard(force, found):
-    """Check that a guard is evaluated only in the half of the range (0 to 0.8 N) that is next to yielding, or near an
-    opening.
+    """Check that the guard function of a contact force is evaluated only if necessary. The force has the range 0 to 0.8
+    N. The guard is evaluated in the half of the range next to yielding and near an opening.
     """
     step = Step(Chain([1.0, np.inf], GEAR), [0.0, 0.0], [0.0], [TOUCHING], [force])
     assert stays(0, H, step.context()) == found
 
 
 def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
-    """Check an open contact at d = 0 with a rate of 1e-12 m/s inward. Its guard must begin with slope 0, not with the
-    slope of the rate.
+    """Check an open contact at d = 0 that closes at 1e-12 m/s because of round-off. Its guard function must begin with
+    slope 0 instead of the slope of this rate.
     """
     step = Step(Chain([1.0, np.inf], hertz(1.0)), [1e-12, 0.0], [0.0], [OPEN], [0.0])
     assert guard_of(0, 0, H, step.context(1e-10))[:3] == (0.0, 0.0, 0.0)
@@ -167,8 +171,8 @@ def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
     ],
 )  # fmt: skip
 def test_a_growing_contact_at_rest_stays_on_its_branch(overlap, rate, found):
-    """Check a loaded contact at d = 0 and rate 0. If its overlap grows at all nodes, it stays on its branch, whatever
-    the polynomial shows between them.
+    """Check a loaded contact at overlap 0 and rate 0. If the overlap increases at all nodes of the step, the contact
+    stays on the loading branch. The polynomial between the nodes must not matter.
     """
     step = Step(Chain([1.0, 1.0], hertz(1.0)), [0.0, 0.0], [0.0], [LOADED], [0.0])
     step.trial.overlap[:, 0], step.trial.rate[2, 0] = overlap, rate
@@ -195,8 +199,9 @@ def test_the_conditions_of_a_bounded_multiplier_hold(first):
         a, f = np.zeros(n + 1), np.zeros(n)
         balance(inverse_mass, load, give, low, high, a, f, np.zeros((2, n + 1)), np.zeros((2, 4 * n + 8)))
         assert ((low <= f) & (f <= high)).all()
-        assert (f[a[:-1] > a[1:]] == high[a[:-1] > a[1:]]).all()  # Pressed together: the largest force.
-        assert (f[a[:-1] < a[1:]] == low[a[:-1] < a[1:]]).all()  # Pulled apart: the smallest force.
+        # Beads that are pressed together have the largest force.
+        assert (f[a[:-1] > a[1:]] == high[a[:-1] > a[1:]]).all()
+        assert (f[a[:-1] < a[1:]] == low[a[:-1] < a[1:]]).all()  # Beads that are pulled apart have the smallest force.
         assert (a[inverse_mass == 0.0] == 0.0).all()
         net = load - np.append(f, 0.0) + np.append(0.0, f)
         slides = a != 0.0
@@ -211,7 +216,9 @@ MASS, VELOCITY = np.array([1.0, 2.0, 0.5, 4.0, 1.5]), np.array([0.3, -0.1, 0.2, 
 
 
 def stopped(i, laws, anchor=4, beside=0, mode=LOADED):
-    """Return the motion after contact `i` has come to rest. Contact `beside` is in `mode`, and all others are loaded."""
+    """Return the motion just after contact `i` has come to rest. Contact `beside` is in mode `mode`, and all other
+    contacts are loaded.
+    """
     chain = Chain(MASS, laws)
     data, motion = records_of(chain, State.at_start(chain, VELOCITY))
     motion.anchor[1], motion.mode[:], motion.mode[beside] = VELOCITY[anchor], LOADED, mode

@@ -1,4 +1,8 @@
-"""Tests of thousands of bounces at full speed: pi from collisions, a bead between two walls, and step budgets that end."""
+"""Tests of motions with thousands of bounces at full speed.
+
+One motion counts collisions to obtain digits of pi. In another motion a bead bounces between two walls. The tests also
+check that the step budget ends a run.
+"""
 
 import math
 
@@ -9,13 +13,13 @@ from softcradle.physics.status import Status, WarningCode
 
 from tests.helpers.relations import PROMISE, simulate_quietly
 
-# Final velocity [m/s] of the light bead for heavy beads of 1e6 and 1e8 kg. Each hit is a rotation of (sqrt(m) v,
-# sqrt(M) V).
+# Final velocity [m/s] of the light bead for heavy beads of 1e6 and 1e8 kg. Each collision is a rotation of the vector
+# (sqrt(m) v, sqrt(M) V).
 PI_SPEED = {1e6: 0.4062990663234393, 1e8: 0.07335938195382136}
 
 
 def pi_from_collisions(mass: float, **settings):
-    """Return the run of a wall, a bead of 1 kg at rest, and a heavy bead that hits it."""
+    """Simulate a wall, a bead of 1 kg at rest, and a heavy bead that hits the light bead."""
     return simulate_quietly(
         Chain([math.inf, 1.0, mass], hooke(1e13 * mass), gap=1.0), [0.0, 0.0, -1.0], samples=2, **settings
     )
@@ -29,8 +33,8 @@ def hits(found) -> int:
     ("method", "tolerance"), [("accurate", 1e-8), ("accurate", 1e-6), ("accurate", 1e-4), ("dop853", 1e-8)]
 )
 def test_pi_from_3141_collisions_is_clean(method: str, tolerance: float) -> None:
-    """Check a run that was right to 4e-8 m/s but reported an error of 3 m/s, because each bounce counted as an
-    oscillation whose phase matters.
+    """Check the estimated error of a run with 3141 collisions. The result was correct to 4e-8 m/s, but the estimated
+    error was 3 m/s. Each bounce was treated as an oscillation whose phase matters.
     """
     found = pi_from_collisions(1e6, method=method, tolerance=tolerance)
     assert hits(found) == 3141
@@ -49,8 +53,8 @@ def test_pi_from_31415_collisions_is_followed_to_its_end(method: str, tolerance:
 
 
 def test_round_off_of_a_heavy_bead_comes_back_to_a_light_one() -> None:
-    """Check the error of round-off. On the way the light bead is a thousand times as fast, and its rates determine the
-    velocity of the heavy bead.
+    """Check the estimated error due to round-off. During the motion the light bead is a thousand times as fast as at
+    the start. Its collisions determine the velocity of the heavy bead.
     """
     found = pi_from_collisions(1e6, tolerance=1e-12)
     assert hits(found) == 3141
@@ -58,15 +62,15 @@ def test_round_off_of_a_heavy_bead_comes_back_to_a_light_one() -> None:
 
 
 def bounced(bounces: int, tolerance: float):
-    """Return the run of a bead between two walls 1 m apart. It flies at 1 m/s before and after each bounce."""
+    """Simulate a bead between two walls that are 1 m apart. The bead flies at 1 m/s before and after each bounce."""
     chain = Chain([math.inf, 1.0, math.inf], hooke(1e10), gap=0.5)
     return simulate_quietly(chain, [0.0, 1.0, 0.0], duration=bounces + 0.25, samples=2, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_errors_of_like_bounces_add_up(tolerance: float) -> None:
-    """Check that errors of equal bounces are added linearly: each loses the same energy, so the root of the sum of
-    squares is too small.
+    """Check that the errors of equal bounces are added linearly. Each bounce loses the same energy, so the root of the
+    sum of squares would be too small.
     """
     found = bounced(3000, tolerance)
     error = abs(abs(found.final_velocity[1]) - 1.0)
@@ -78,8 +82,8 @@ def test_errors_of_like_bounces_add_up(tolerance: float) -> None:
 
 @pytest.mark.slow
 def test_a_finer_run_of_a_hundred_thousand_bounces_is_better() -> None:
-    """Check that a finer tolerance gives a smaller error. At 1e-10 the budget ended, and the result was off by 0.38
-    m/s.
+    """Check that a finer tolerance gives a smaller error. In an earlier version the run with tolerance 1e-10 exhausted
+    its step budget, and its result was wrong by 0.38 m/s.
     """
     errors = []
     for tolerance in (1e-6, 1e-10):
@@ -106,7 +110,9 @@ def test_a_budget_that_ends_is_reported_as_a_budget(monkeypatch) -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10, 3e-12])
 def test_a_bead_between_two_walls_leaves_one_when_it_meets_the_other(tolerance):
-    """One contact closes at the time at which the other opens. The step ends at the event that round-off makes the first."""
+    """Check a bead that touches one wall at the moment at which it leaves the other wall. The two events coincide, and
+    round-off decides which of them ends the step.
+    """
     stiffness, ends = 12.874637388274245, [math.inf, 1.0, math.inf]
     chain = Chain(ends, [hooke(stiffness), power_law(0.9229452383487167, 1.5)])
     spring, other = simulate(chain, [0.0, 1.0, 0.0], 8.4601661, tolerance=tolerance, samples=2).contact_intervals
