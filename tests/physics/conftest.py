@@ -1,5 +1,5 @@
-"""Tests that need plain Python are collected only there, by `test_elsewhere.py`. If a file is named, it is always
-collected.
+"""Leave out the tests that need plain Python if numba compiles the kernels. The tests of `test_elsewhere.py` run them
+in a process without compiled kernels. A test file that is named on the command line is always collected.
 """
 
 import os

@@ -154,8 +154,8 @@ def test_beads_that_a_wave_has_passed_do_not_rattle(n, exponent, tolerance):
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("part", [0.2, 0.5, 0.9])
 def test_very_slow_closings_gain_no_energy(method, part):
-    """Check two beads with almost no gap next to a long collision. A closing speed that is too low to be resolved must
-    not be rounded up.
+    """Check two beads with almost no gap between them, next to a long collision. Their closing speed is too low to be
+    resolved and must not increase.
     """
     tolerance = 1e-6
     rate = part * TOLERANCE_PART**2 * tolerance

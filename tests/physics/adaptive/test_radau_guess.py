@@ -1,4 +1,8 @@
-"""Tests of the first guess for Newton's iteration in radau: powers of the time since the onset, flights and pushes."""
+"""Tests of the first guess for Newton's iteration in the method radau.
+
+The guess extrapolates an overlap as a power of the time since the contact closed, as a free flight, or as the motion
+under a push.
+"""
 
 import math
 
@@ -24,7 +28,7 @@ def guessed(h, data, motion):
 
 
 def test_short_logarithms_are_accurate_enough_for_a_guess():
-    """Check four terms of the logarithm, and all digits of e**x."""
+    """Check that four terms of the series of the logarithm are accurate enough, and that e**x has all digits."""
     for x in [*np.linspace(-1.0, 1.0, 41) * SHORT_EXPONENT, -0.7, -0.04, 0.04, 3.0]:
         left_out = 0.21 * abs(x) ** 5 if abs(x) < SHORT_EXPONENT else 0.0
         assert log_grown(x) == pytest.approx(math.log1p(x), rel=1e-15, abs=left_out)
@@ -50,8 +54,10 @@ def test_guesses():
 
 
 def test_only_resting_contacts_without_preload_are_pushed():
-    """Check a contact between two pushing contacts and under an external force. Only one at rest at overlap 0 without
-    preload is pushed. Other contacts keep their rate. A soft contact at the overlap 1e-300 m keeps its overlap and force.
+    """Check a contact between two contacts that push, and a contact under an external force.
+
+    The guess pushes a contact only if it is at rest at overlap 0 and has no preload. Other contacts keep their rate. A
+    soft contact with the overlap 1e-300 m keeps its overlap and force.
     """
     for law in (hooke(3.0), hertz(4.0), SOFT, Contact(1.0, 2.0, 0.5), draft_gear(2.0, 0.4)):
         for d, w in ((0.0, 0.3), (0.0, -0.3), (-0.1, 0.3), *([(0.0, 0.0)] if law.preload else [])):
@@ -73,8 +79,8 @@ def test_only_resting_contacts_without_preload_are_pushed():
 @pytest.mark.parametrize("preload", [0.0, 0.5])
 @pytest.mark.parametrize("part", [0.99, 1.01])
 def test_an_unloading_soft_contact_keeps_its_rate_if_its_force_is_small(preload, part):
-    """Check an unloading contact next to a stronger one. It keeps its rate if it would open within two radians of its
-    oscillation.
+    """Check an unloading contact next to a stronger contact. The unloading contact keeps its rate if it would open
+    within two radians of its oscillation.
     """
     data, motion = pressed(Chain([1.0, 0.7, 1.3], [SOFT, Contact(preload, 2.0, 0.5)]), [0.0] * 3, [0.4, 0.01])
     frequency, h = math.sqrt((1.0 / 0.7 + 1.0 / 1.3) * 0.5 * 2.0 / math.sqrt(0.01)), 0.1
@@ -87,11 +93,11 @@ def test_an_unloading_soft_contact_keeps_its_rate_if_its_force_is_small(preload,
 
 @pytest.mark.parametrize("h", [0.002, 0.2])
 def test_a_soft_contact_goes_on_as_a_power_of_the_time_since_its_onset(h):
-    """Check a contact that is driven from rest at t = 0 with d = w t: the guess d (1 + h c/t) is exact. A contact that
-    it pushes grows with its own power.
+    """Check a soft contact that is driven from rest at t = 0 and has the overlap d = w t. The guess d (1 + h c/t) is
+    then exact. The overlap of a neighbouring contact grows with another power of the time.
     """
     data, motion = pressed(Chain([1.0, 1.0, 1.0], SOFT), [1.0, 0.0, 0.0], [0.4, 0.01])
-    motion.rate[:] = 0.8, 0.06  # The onset was 0.5 s ago. The second overlap grows as t**3.
+    motion.rate[:] = 0.8, 0.06  # The first contact closed 0.5 s ago. The overlap of the second contact grows as t**3.
     found = guessed(h, data, motion)
     part = 1.0 + h * NODES / 0.5
     assert found.overlap[:, 0] == pytest.approx(0.4 * part, rel=1e-9)
@@ -108,14 +114,15 @@ def test_the_onset_belongs_to_the_contact_that_pushes_most():
     assert time_since_onset(law, mode, overlap, np.array([0.1, 1.0, 0.1]), force) == pytest.approx(0.04)
     assert time_since_onset(law, mode, overlap, np.array([0.1, 0.0, 0.1]), force) == pytest.approx(0.1)
     assert time_since_onset(law, np.full(3, OPEN), overlap, rate, force) == 1e30
-    # These contacts push more.
+    # In these cases the third contact pushes with more force. It must not be counted, because it is not soft or has no
+    # overlap.
     for row, d in (([0.0, 2.0, 1.0], 0.5), ([0.8, 2.0, 0.5], 0.0), ([1.8, 2.0, 0.5], -0.5)):
         law[2], overlap[2] = row, d
         assert time_since_onset(law, mode, overlap, rate, force) == pytest.approx(0.2)
 
 
 def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
-    for h in (2.0**-10, 2.0**-12):  # With the second h, the contact opens at the very end of the step.
+    for h in (2.0**-10, 2.0**-12):  # With the second value of h, the contact opens at the very end of the step.
         found = guessed(h, *pressed(Chain([1.0, 1.0], SOFT), [-0.5, 0.0], 2.0**-13))
         flown = 2.0**-13 - 0.5 * h * NODES
         apart = flown <= 0.0
@@ -123,14 +130,14 @@ def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
         assert found.overlap[:, 0] == pytest.approx(flown)
         assert (found.force[apart, 0] == 0.0).all()
         assert found.force[~apart, 0] == pytest.approx(2.0 * np.sqrt(flown[~apart]))
-    # The bead is light, so the force turns it before the contact opens.
+    # The second bead is light, so the contact force reverses the relative motion before the contact opens.
     found = guessed(1.0, *pressed(Chain([1.0, 1.0 / 9.0], SOFT), [-0.4, 0.0], 0.25))
     assert found.overlap[2, 0] == pytest.approx(0.25 * math.exp(-2.0 * MOST_GUESSED))
-    # The force above the preload decreases at most to a third.
+    # The guess reduces the part of the force above the preload at most to a third.
     found = guessed(1e-3, *pressed(Chain([1.0, 1.0], Contact(1.0, 2.0, 0.1)), [-9.0, 0.0], 1e-4))
     assert found.overlap[2, 0] == pytest.approx(1e-4 * math.exp(-10.0 * MOST_GUESSED))
     assert found.force[2, 0] == pytest.approx(1.0 + 2.0 * 1e-4**0.1 * math.exp(-MOST_GUESSED))
-    # The force of a loading contact grows at most by the same factor.
+    # The guess increases the force of a loading contact at most by the same factor.
     found = guessed(0.2, *pressed(Chain([1.0, 1.0], SOFT), [100.0, 0.0], 0.25))
     assert found.force[:, 0] == pytest.approx(math.exp(MOST_GUESSED))
     assert found.overlap[:, 0] == pytest.approx(0.25 * math.exp(2.0 * MOST_GUESSED))
@@ -139,8 +146,10 @@ def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
 @pytest.mark.parametrize("first", [0, 2])
 @pytest.mark.parametrize("h", [0.1, 10.0])
 def test_contacts_at_rest_are_pushed_one_after_another(first, h):
-    """Check the bead between two contacts. It flies under the force of the loaded contact, on its left or right, at
-    most to the point at which four fifths of this force stop it.
+    """Check a bead between a loaded contact and a contact at rest. The loaded contact is on its left or on its right.
+
+    The guess moves the bead freely under the force of the loaded contact. It ends where the other contact balances four
+    fifths of this force.
     """
     data, motion = pressed(Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0)), [0.0] * 4, 0.3 * np.eye(3)[first])
     found = guessed(h, data, motion)

@@ -1,5 +1,5 @@
-"""Tests of one step of radau: the collocation equations that define it, and an independent implementation of its error
-estimate.
+"""Tests of one step of the method radau. The tests compare the step with the collocation equations that define it, and
+its error estimate with an independent implementation.
 """
 
 import math
@@ -31,9 +31,9 @@ _POWERS = np.vander(NODES, 3, increasing=True)
 TABLEAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ np.linalg.inv(_POWERS)
 INVERSE, SQUARE = np.linalg.inv(TABLEAU), TABLEAU @ TABLEAU
 GAMMA = 1.0 / (3.0 + 9.0 ** (1 / 3) - 3.0 ** (1 / 3))
-# Quadratures in terms of the differences of the stages. EMBEDDED compares a formula with the start (weight gamma) and
-# the stages, exact for parabolas, with the method. COARSE compares the method with a formula that uses the two last
-# stages.
+# Quadrature formulas in terms of the differences of the stages. EMBEDDED is the difference between the method and a
+# formula that uses the start (weight gamma) and the stages. This formula is exact for parabolas. COARSE is the
+# difference between the method and a formula that uses the last two stages.
 EMBEDDED = (np.linalg.solve(_POWERS.T, [1.0 - GAMMA, 1.0 / 2.0, 1.0 / 3.0]) - TABLEAU[2]) @ INVERSE
 COARSE = (TABLEAU[2] - np.append(0.0, np.linalg.solve(_POWERS[1:, :2].T, [1.0, 0.5]))) @ INVERSE
 LAWS = (hooke(3.0), hertz(5.0), power_law(1.0, 0.1), power_law(2.0, 0.5), draft_gear(2.0, 0.4), Contact(0.5, 2.0, 0.3))
@@ -63,8 +63,8 @@ def random_motion(seed):
 
 
 def driven(data, seed, h):
-    """Return the records with external forces, if any, that change linearly in the step, and the (3, n+1) accelerations
-    at the nodes.
+    """Return the records with random external forces and the (3, n+1) accelerations at the nodes. The forces change
+    linearly in the step and can be absent.
     """
     if not data.external.size:
         return data, np.zeros((3, data.inverse_mass.size))
@@ -73,7 +73,7 @@ def driven(data, seed, h):
 
 
 def memory(contacts):
-    """Return a trial and scratch memory filled with NaN, because their contents before a step must not matter."""
+    """Return trial and scratch memory filled with NaN. The contents of the memory before a step must not matter."""
     trial, scratch = empty_trial(contacts), empty_scratch(contacts)
     for rows in (*trial, scratch.along, scratch.across, scratch.correction, scratch.block, scratch.work):
         rows.fill(math.nan)
@@ -91,7 +91,7 @@ def test_a_step_solves_the_collocation_equations(seed):
     data, drive = driven(data, seed, h)
     used, trial = stepped(data, motion, h)
     assert 0 < used <= 8
-    push = trial.force @ row_matrix(chain) - drive[:, :-1]  # (3, n) array: minus the derivative of the rates.
+    push = trial.force @ row_matrix(chain) - drive[:, :-1]  # Array of shape (3, n): minus the derivative of the rates.
     rate = motion.rate - h * TABLEAU @ push
     for i in range(chain.contacts):
         if motion.mode[i] in (OPEN, LOADED, TOUCHING):
@@ -106,7 +106,8 @@ def test_a_step_solves_the_collocation_equations(seed):
             assert (trial.force[:, i] == motion.force[i]).all()
         else:
             assert (trial.overlap[:, i] == 0.0).all()
-    bead, pushes = data.anchor_bead, np.pad(trial.force, [(0, 0), (1, 1)])  # No forces act from beyond the ends.
+    # No forces act on the ends of the chain from outside.
+    bead, pushes = data.anchor_bead, np.pad(trial.force, [(0, 0), (1, 1)])
     acceleration = (pushes[:, bead] - pushes[:, bead + 1]) * data.inverse_mass[bead] + drive[:, -1]
     position, velocity = motion.anchor
     assert trial.anchor[1] == pytest.approx(velocity + h * TABLEAU[2] @ acceleration, abs=1e-14)
@@ -116,7 +117,9 @@ def test_a_step_solves_the_collocation_equations(seed):
 
 @pytest.mark.parametrize("seed", range(30))
 def test_a_step_is_the_same_in_other_units(seed):
-    """Check a step, its error, and the implicit Euler steps with which it can begin."""
+    """Check that a step does not depend on the units. The test includes the error estimate and the implicit Euler steps
+    with which a step can begin.
+    """
     chain, data, motion, h = random_motion(seed)
     ends, units = [], 10.0 ** np.random.default_rng(seed).uniform(-5.0, 5.0, 3)
     for meter, second, kilogram in ((1.0, 1.0, 1.0), units):
@@ -136,7 +139,7 @@ def test_a_step_is_the_same_in_other_units(seed):
 
 @pytest.mark.parametrize("law", [hooke(3.0), hertz(5.0), draft_gear(200.0, 0.4)], ids=str)
 def test_stages_converge_as_far_as_round_off_lets_them(law):
-    """Ask for a precision below round-off. Then the round-off of a move must not count as an error."""
+    """Request a precision below round-off. The round-off of a Newton correction must then not count as an error."""
     for d in (0.31, 0.47, 0.59):
         used, trial = stepped(*pressed(Chain([1.0, 0.7, 1.3], law), [0.3, 0.0, -0.2], [d, 0.9 * d]), 0.01, 1e-17)
         assert 0 < used <= 4
@@ -145,7 +148,9 @@ def test_stages_converge_as_far_as_round_off_lets_them(law):
 
 
 def test_on_springs_the_first_iteration_of_newton_is_exact():
-    """Check linear springs. The equations are linear, so the second iteration finds nothing to correct."""
+    """Check that one iteration solves the equations of linear springs. The equations are linear, so the second
+    iteration finds nothing to correct.
+    """
     for gear in (hooke(3.0), draft_gear(2.0, 0.4)):
         chain = Chain([1.0, 3.0, 0.5, 2.0, 1.5, 1.0], gear, drive=[1.0, 0.0, -2.0, 0.0, 0.5, 0.0])
         data, motion = pressed(chain, [0.5, -0.2, 0.3, 0.1, 0.0, -0.4], [0.5, 0.3, 0.6, 0.4, 0.5])
@@ -162,8 +167,8 @@ def test_on_springs_the_first_iteration_of_newton_is_exact():
 
 @pytest.mark.parametrize("seed", range(30))
 def test_a_correction_is_that_of_a_dense_solve(seed):
-    """Solve the linear equations of all stages by elimination and with a dense matrix, in a chain or in a part of it
-    with fixed ends.
+    """Compare two solutions of the linear equations of all stages: by elimination and with a dense matrix. The
+    equations belong to a whole chain or to a part of a chain with fixed ends.
     """
     chain, data, motion, h = random_motion(seed)
     draw, n, matrix = np.random.default_rng(seed), chain.contacts, row_matrix(chain)
@@ -188,8 +193,8 @@ def test_a_correction_is_that_of_a_dense_solve(seed):
 
 
 def test_a_move_says_how_far_it_went_and_what_it_missed():
-    """Check that a move returns the larger of the requested and the actual change, and their difference if it exceeds
-    round-off.
+    """Check the results of a move along the curve of a contact law. One result is the larger of the requested and the
+    actual change. The other result is the difference of the two changes if it exceeds round-off.
     """
     draw, trial, scratch = np.random.default_rng(0), empty_trial(1), empty_scratch(1)
     rows = [[law.preload, law.stiffness, law.exponent] for law in LAWS]
@@ -197,7 +202,7 @@ def test_a_move_says_how_far_it_went_and_what_it_missed():
         [0.5, 2.0, 1.5, 0.1, 3.0, -1.0],
         [0.5, 2.0, 0.5, 0.0, 0.0, 1.0],
         [0.5, 2.0, 1.0, 0.0, 3.0, 1.0],
-    ]  # Rows of contacts with several segments.
+    ]  # These contacts have several segments.
     for case in range(720):
         row, kind = rows[case % 9], np.array([SEGMENTS], dtype=np.int8)
         graph = NO_GRAPHS._replace(kind=kind) if len(row) > 3 else NO_GRAPHS
@@ -269,8 +274,8 @@ def test_newton_iterates_only_relevant_contacts(precision, monkeypatch):
 @pytest.mark.parametrize("mass", [0.3, 0.7, 1.1, 2.9])
 @pytest.mark.parametrize("h", [0.01, 30.0])
 def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
-    """Check two touching contacts between two walls. A force through both of them does not move the bead, so the
-    equations do not determine it.
+    """Check a bead between two walls with both contacts at overlap 0. A force that acts through both contacts does not
+    move the bead, so the equations do not determine it.
     """
     data, motion = pressed(Chain([math.inf, mass, math.inf], draft_gear(2.0, 0.4)), [0.0] * 3, 0.0)
     motion.mode[:], motion.force[:] = TOUCHING, 0.5
@@ -283,8 +288,8 @@ def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_rates_follow_from_overlaps_for_oscillating_contacts(seed):
-    """Check arbitrary stages. Rates follow from overlaps if all overlaps are smaller than the largest change that
-    forces above the preload cause.
+    """Check when rates are computed from overlaps, with arbitrary stages. All overlaps must be smaller than the largest
+    change that the forces above the preload cause.
     """
     draw, (chain, data, motion, h) = np.random.default_rng(seed), random_motion(seed)
     data, drive = driven(data, seed, h)
@@ -312,7 +317,9 @@ def test_stages_that_do_not_converge_are_said():
 
 @pytest.mark.parametrize("seed", range(10))
 def test_newton_restarts_from_implicit_euler_steps(seed, monkeypatch):
-    """Check that Newton's iteration restarts from implicit Euler steps, whatever the values of the failed stages are."""
+    """Check that Newton's iteration restarts from implicit Euler steps if it fails. The values of the failed stages
+    must not matter.
+    """
     _, data, motion, h = random_motion(seed)
     _, wanted = stepped(data, motion, h)
     monkeypatch.setattr(radau, "first_guess", lambda h, chain, motion, trial: [rows.fill(math.nan) for rows in trial])
@@ -325,8 +332,8 @@ def test_newton_restarts_from_implicit_euler_steps(seed, monkeypatch):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_the_error_is_that_of_two_quadratures_filtered(seed):
-    """Compare the error with a dense solve of (C + (h gamma)² L) phi = e_d + h gamma e_w. The kernel eliminates along
-    the row.
+    """Compare the error estimate with a dense solution of (C + (h gamma)² L) phi = e_d + h gamma e_w. The kernel solves
+    the same equation by elimination along the chain.
     """
     chain, data, motion, h = random_motion(seed)
     data, _ = driven(data, seed, h)
@@ -365,8 +372,10 @@ def test_the_error_is_that_of_two_quadratures_filtered(seed):
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize(("mode", "part"), [(LOADED, KINK), (OPEN, 0.0)])
 def test_a_bend_of_a_law_that_is_passed_counts_as_an_error(mode, part, sign):
-    """Check a flight that the quadratures integrate exactly. The error is a fraction of the impulse beyond the
-    breakpoint, only for loaded contacts.
+    """Check that passing a breakpoint of a contact law counts as an error. The quadratures integrate this flight
+    exactly.
+
+    The error is a fraction of the impulse beyond the breakpoint. It is counted only for loaded contacts.
     """
     law, h, rate, trial = OwnLaw(lambda d: d + 40.0 * max(d - 0.1, 0.0)), 0.03, 0.5 * sign, empty_trial(2)
     data, motion = pressed(Chain([3.0, 2.0, 0.5], [hooke(1.0), law]), [2.0 * rate, rate, 0.0], 0.1 - 0.3 * h * rate)
@@ -380,7 +389,7 @@ def test_compliance():
     law = np.array([[0.0, 2.0, 0.5], [0.5, 2.0, 1.0], [0.0, 2.0, 1.5]])
     data = ChainData(law, np.ones(2), np.zeros(0), np.zeros(0), 0)
     modes = np.array([LOADED, LOADED, LOADED])
-    assert compliance(data, modes, 0, 0.25, 1.0) == pytest.approx(0.5)  # Compliance of f = 2 sqrt(d).
+    assert compliance(data, modes, 0, 0.25, 1.0) == pytest.approx(0.5)  # Expected compliance of the law f = 2 sqrt(d).
     assert compliance(data, modes, 1, 0.25, 1.0) == 0.5
     assert compliance(data, modes, 2, -0.1, 0.0) == -1.0
     assert compliance(data, modes, 0, 0.0, 0.0) == 0.0
@@ -390,8 +399,8 @@ def test_compliance():
 
 @pytest.mark.parametrize("seed", range(8))
 def test_first_stages_are_implicit_euler_steps_to_each_node(seed, monkeypatch):
-    """Check d = d0 + t w0 - t² (L f - e) with forces on the curves, from small and large overlaps, for slopes of many
-    orders of magnitude.
+    """Check that the first stages satisfy d = d0 + t w0 - t² (L f - e) and that their forces obey the contact laws. The
+    initial overlaps are small or large, and the slopes cover many orders of magnitude.
     """
     chain, data, motion, h = random_motion(seed)
     move_stage = Mock(wraps=radau.move_stage)
@@ -419,7 +428,9 @@ def test_first_stages_are_implicit_euler_steps_to_each_node(seed, monkeypatch):
 
 @pytest.mark.parametrize("row", [0, 1, 2])
 def test_an_error_that_is_no_number_is_none_of_0(row):
-    """Check that NaN is returned. ``max(0, nan)`` is 0, so a step with a NaN would have counted as exact."""
+    """Check that the error is NaN if a value is NaN. ``max(0, nan)`` is 0, so otherwise a step with a NaN would count
+    as exact.
+    """
     data, motion = pressed(Chain([1.0] * 4, [hooke(3.0), hertz(5.0), power_law(1.0, 0.5)]), [1.0, 0.5, 0.0, -0.5], 0.4)
     trial = stepped(data, motion, 0.01)[1]
     trial.rate[:, row] = math.nan

@@ -1,4 +1,4 @@
-"""Tests of the step budget: motions that end early because the budget cannot be enough, and motions that may continue."""
+"""Tests of the step budget of adaptive runs. A run ends early if its budget cannot be enough. Other runs may continue."""
 
 import math
 
@@ -32,11 +32,14 @@ def test_a_budget_at_most_doubles() -> None:
 @pytest.mark.parametrize("amplified", [False, True])
 @pytest.mark.parametrize(("part", "continues"), [(0.9, True), (1.1, False)])
 def test_a_budget_ends_if_the_last_steps_predict_too_many(part: float, continues: bool, amplified: bool) -> None:
-    """Check a run that takes 1000 steps in the last second and needs `part` of the largest predicted number."""
+    """Check a run that takes 1000 steps in the last second. From this rate, the number of remaining steps is predicted.
+    It is `part` times the largest number that may be predicted.
+    """
     largest = usual_budget.MOST_LASTING + (0 if amplified else usual_budget.MOST_FOLLOWED)
     left = part * usual_budget.MOST_PREDICTED * largest / 1000.0
     budget = GrowingBudget(problem_of(BOUNCES, 1e4 + 1.0 + left, [0.0, 1.0, 0.0]), 0.0)
-    assert budget.extend(50_000, 1e4, 0, amplified)  # The first extension is free: a motion can begin fast.
+    # The first extension is always granted, because a motion can be fast only at its beginning.
+    assert budget.extend(50_000, 1e4, 0, amplified)
     assert budget.extend(51_000, 1e4 + 1.0, 0, amplified) == continues
 
 
@@ -54,7 +57,9 @@ def test_only_amplified_errors_limit_the_cost() -> None:
 
 
 def row_with_gaps(n: int) -> tuple[Chain, np.ndarray]:
-    """Return a row of step forces, gears and lossy gears with gaps that chatters, and the velocities of three strikers."""
+    """Return a chattering chain and the velocities of its beads. Its contacts are constant forces, draft gears and
+    draft gears with loss, separated by gaps. Three beads hit the chain.
+    """
     draw = np.random.default_rng([99, 3])
     mass = 10 ** draw.uniform(-0.5, 0.5, n + 1)
     laws = (step_force(1.0), draft_gear(50.0, 0.02), draft_gear(50.0, 0.02, 0.3))
@@ -64,7 +69,9 @@ def row_with_gaps(n: int) -> tuple[Chain, np.ndarray]:
 
 
 def test_a_chattering_row_ends_by_its_cost(monkeypatch) -> None:
-    """Check that a row of gears ends early. With 500 gears it took 28 s, with 10 times the usual evaluations a step."""
+    """Check that the run of a chattering chain of draft gears ends early. With 500 gears the run took 28 s and needed
+    10 times the usual number of evaluations per step.
+    """
     chain, velocity = row_with_gaps(30)
     whole = simulate_quietly(chain, velocity, 6.0, tolerance=1e-4, samples=2)
     monkeypatch.setattr(usual_budget, "MOST_FORCES", 5e5)
@@ -82,7 +89,9 @@ def test_a_row_that_does_not_amplify_errors_is_followed_at_any_cost(monkeypatch)
 
 
 def test_a_bead_pressed_on_a_wall_is_not_followed_in_vain() -> None:
-    """Check a motion of 43 million steps. The largest budget, 1.1 million steps, would not be enough."""
+    """Check that a run of 43 million steps ends early. The largest possible budget of 1.1 million steps would not be
+    enough.
+    """
     chain = Chain([1.0, math.inf], power_law(1.27, 0.113), drive=[0.036, 0.0])
     found = simulate_quietly(chain, [0.0, 0.0], 2.0, samples=2, tolerance=1e-6)
     assert found.status == Status.BUDGET_SPENT

@@ -1,4 +1,6 @@
-"""Tests of the event location: if an attempted step ends at its first event, and how long the next attempt is."""
+"""Tests of event location. The tests check whether an attempted step ends at its first event and how long the next
+attempt is.
+"""
 
 import math
 
@@ -19,7 +21,9 @@ NOTHING, NO_TARGET = Event(-1, 0, 1.0, math.nan, 1.0), Target(-1, 0, 0, H)
 
 
 def located(event, target=NO_TARGET, error=0.5 * WANTED, mode=OPEN, end_rate=1.0):
-    """Return the outcome for a step of length H. Contact 0 has this mode and this rate [m/s] at its end."""
+    """Return the outcome of a step of length H. At the end of the step, contact 0 is in mode `mode` and has the rate
+    `end_rate` [m/s].
+    """
     step = Step(Chain([1.0] * 3, hertz(1.0)), [0.0] * 3, [-0.1] * 2, [mode] * 2, [0.0] * 2)
     step.trial.rate[2, 0] = end_rate
     bounds = Bounds(WANTED, 0.01 * WANTED, 0.1 * WANTED, 0.1 * WANTED, 1.0, 1e-16)
@@ -33,12 +37,16 @@ def test_a_step_without_an_event_stands():
 
 @pytest.mark.parametrize("error", [0.5 * WANTED, 1e3 * WANTED])
 def test_the_next_attempt_ends_at_the_first_event(error):
-    """Check that this does not depend on the error: an event is located first, and the error is judged afterwards."""
+    """Check that the next attempt does not depend on the error. An event is located first, and the error is checked
+    afterwards.
+    """
     assert located(Event(1, 0, 0.25, math.nan, 1.0), error=error) == (RETRY, 0.25 * H, Target(1, 0, 1, H))
 
 
 def test_an_event_near_the_start_of_a_long_step_needs_a_shorter_step_first():
-    """The polynomial of a long step is inaccurate near its start, so the event is not a target yet."""
+    """Check that an event near the start of a long step is not a target yet. The polynomial of a long step is
+    inaccurate near its start.
+    """
     part = 0.5 * LEAST_PART
     assert located(Event(1, 0, part, math.nan, 1.0)) == (RETRY, LEAST_PART * H, Target(-1, 0, 1, H))
 
@@ -53,7 +61,9 @@ def test_an_event_at_the_start_is_now_if_the_step_is_good(error, outcome):
 
 @pytest.mark.parametrize("miss", [0.1 * H, -0.1 * H, -0.99 * H])
 def test_newtons_iteration_moves_the_end_of_the_step(miss):
-    """Check that the end moves by the miss, within the step that contains the event and not by more than a factor."""
+    """Check that Newton's iteration moves the end of the step by the computed miss. The end stays within the step that
+    contains the event, and the change of the step size is limited by a factor.
+    """
     target = Target(0, 0, 1, 1.05 * H)
     outcome, end, after = located(Event(-1, 0, 1.0, miss, 1.0), target)
     assert (outcome, after) == (RETRY, Target(0, 0, 2, 1.05 * H))
@@ -72,7 +82,9 @@ def test_a_step_that_ends_at_its_event_stands(miss):
 
 
 def test_an_event_that_has_gone_is_no_target():
-    """The guard of the target no longer vanishes. The attempt counts, and the next event is a target again."""
+    """Check an event that is no longer in the step, because the guard function of the target has no root. The attempt
+    counts, and the next event is a target again.
+    """
     target = Target(0, 0, 3, 2.0 * H)
     assert located(NOTHING, target) == (STANDS, H, Target(-1, 0, 4, 2.0 * H))
     assert located(Event(1, 0, 0.5, math.nan, 1.0), target) == (RETRY, 0.5 * H, Target(1, 0, 5, H))
@@ -82,7 +94,9 @@ def test_an_event_that_has_gone_is_no_target():
     "event", [Event(1, 0, 0.5, 0.0, 1.0), Event(-1, 0, 1.0, -2.0 * FIRST_PART * H, 1.0)], ids=["another", "its own"]
 )
 def test_no_step_passes_over_an_event(event):
-    """All attempts are used up and an event still lies inside the step: the step is rejected and much shorter."""
+    """Check a step that still contains an event after the last attempt. The step must be rejected, and the next step
+    must be much shorter.
+    """
     outcome, end, target = located(event, Target(0, 0, MOST_TRIES, H))
     assert (outcome, end) == (LOST, SHRINK * H)
     assert target[:3] == (-1, 0, 0)

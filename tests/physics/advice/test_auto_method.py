@@ -1,4 +1,6 @@
-"""Tests of method auto: the error stays within the tolerance, and the result names the chosen method and the reason."""
+"""Tests of the method auto. The error must stay within the tolerance. The result must contain the chosen method and the
+reason for the choice.
+"""
 
 import json
 import math
@@ -19,13 +21,15 @@ from tests.helpers.relations import struck
 ERRORS, TIGHT = tuple(10.0**-k for k in range(3, 10)), np.geomspace(5e-10, 5e-9, 60)
 CASES = {definition.name: definition for definition in CASE_DEFINITIONS}
 SOFT, GEAR = power_law(1.0, 0.1), draft_gear(1.0, 1.0)
-CRITICAL = critical_speed(GEAR, np.ones(5), 1)  # Critical speed [m/s] of one on four.
+CRITICAL = critical_speed(GEAR, np.ones(5), 1)  # Critical speed [m/s] of one bead that hits four beads.
 
 
 @pytest.mark.parametrize(("name", "errors"), [*((name, ERRORS) for name in CASES), ("one-on-5", TIGHT)])
 def test_the_wanted_error_holds_on_every_case_of_the_chart(name, errors):
-    """Check the cases of the chart. One on 5 bounces six times at the end. An unchecked run misses a bounce at about
-    one tolerance in a hundred.
+    """Check the error of each collision in the chart.
+
+    If one bead hits five beads, the last contacts bounce six times. A run that is not confirmed misses a bounce at
+    about one tolerance in a hundred.
     """
     case = CASES[name].solve(by_reference=errors is TIGHT)
     for error in errors:
@@ -36,7 +40,7 @@ def test_the_wanted_error_holds_on_every_case_of_the_chart(name, errors):
         assert f"wanted error of {error:g}" in found.choice
 
 
-NOT_MADE_FOR = (  # Chains, speeds [m/s] and durations [s].
+NOT_MADE_FOR = (  # Each entry contains a chain, a speed [m/s] and a duration [s].
     *(
         (one_on(n, contact, mass=np.linspace(0.3, 2.0, n + 1)), 3.0, None)
         for contact in (power_law(1, 0.3), power_law(5, 0.7), hooke(2), hertz(50), power_law(1, 2))
@@ -82,8 +86,9 @@ def test_the_wanted_error_holds_on_chains_it_was_not_made_for(chain, speed, dura
         (Chain([1, 1, 1e-5, 1], SOFT), 6.0, 1e-2, "accurate", "far more fixed steps"),
         (Chain([5e5, 2e5, 1.6, 5e-6, 0.36], [hertz(9.0), hertz(0.2), SOFT, hertz(80.0)]), 6.0, 1e-3, "accurate", "far more"),
         (Chain([1, 1, 1e-4, 1], hertz(100.0)), 6.0, 1e-3, "accurate", "far more fixed steps"),
-        (Chain([1, 1, 0.2, 1], hertz(100.0)), 1e6, 1e-3, "conserving", "exact at any step"),  # A flight costs nothing.
-        # The gear never yields.
+        # The beads fly freely, which takes no computing time.
+        (Chain([1, 1, 0.2, 1], hertz(100.0)), 1e6, 1e-3, "conserving", "exact at any step"),
+        # The draft gear never yields in this motion.
         (Chain([1] * 4, [SOFT, draft_gear(1e6, 1.0), SOFT]), 9.0, 1e-3, "conserving", "exact at any step"),
         (Chain([math.inf, 1, 1], SOFT), 3.0, 1e-3, "accurate", "collision after collision"),
         (Chain([1, 1, 1], hertz(1.0), [0.1, 0.2]), 3.0, 1e-3, "accurate", "collision after collision"),

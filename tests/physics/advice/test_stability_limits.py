@@ -1,4 +1,4 @@
-"""Tests of failures as values: if an explicit method fails, the trajectory says so and names a better method."""
+"""Tests of failed runs. If an explicit method fails, the trajectory contains the reason and recommends a better method."""
 
 from dataclasses import replace
 
@@ -19,8 +19,8 @@ def test_a_draft_gear_that_should_rest_is_reported_to_chatter(method):
 
 
 def test_contacts_that_close_again_and_again_are_reported():
-    """Check the warning with the default step. The first run has an error of 1 % and 35 openings. The second run has as
-    many openings, and friction.
+    """Check the warning about contacts that close repeatedly, with the default step. The first run has an error of 1 %
+    and 35 openings. The second run has friction and as many openings.
     """
     chain, velocity = random_collision(64, 8)
     for friction, codes in ((0.0, ["returns"]), (1e-6, [])):
@@ -35,7 +35,8 @@ def test_within_the_estimate_the_error_holds(contact, error):
     chain, velocity = one_on(2, contact), [1.0, 0.0, 0.0]
     truth = simulate(chain, velocity, tolerance=1e-10).final_velocity
     result = simulate(chain, velocity, method="verlet", step=stable_step(chain, velocity, error))
-    assert np.abs(result.final_velocity - truth).max() < 3 * error  # The documentation says "within a factor of a few".
+    # The documentation promises an accuracy "within a factor of a few".
+    assert np.abs(result.final_velocity - truth).max() < 3 * error
 
 
 def test_the_estimate_shrinks_with_the_error_and_with_the_mass():

@@ -1,4 +1,4 @@
-"""Tests of closed forms against quadrature, the reference solutions and the results of the methods."""
+"""Tests of closed forms against quadrature, reference solutions and simulated motions."""
 
 import math
 
@@ -26,11 +26,11 @@ def test_one_on_one_is_energy_and_quadrature(law, speed):
     assert (law.energy(depth), law.force(depth)) == pytest.approx((energy, force), rel=1e-13)
 
     def inverse_rate(u: float, part: float) -> float:
-        """Return dt/du with d = depth (1 - u**2), which is smooth at the turning point u = 0. `part` is the fraction of
-        the force.
+        """Return dt/du for the overlap d = depth (1 - u**2). This function is smooth at the turning point u = 0. `part`
+        is a fraction of the force.
         """
         d = depth * (1.0 - u * u)
-        # (E(depth) - E(d)) / u**2, without cancellation near u = 0.
+        # Compute (E(depth) - E(d)) / u**2 without cancellation near u = 0.
         left = (energy - law.energy(d)) / (u * u) if u > 1e-4 else force * depth
         return 2.0 * depth / math.sqrt(2.0 * part * left / mass)
 

@@ -1,4 +1,6 @@
-"""Tests of the measures of a collision: against quadruple-precision solutions, closed forms, and each other."""
+"""Tests of the quantities that describe a collision. They are compared with quadruple-precision solutions, closed
+forms, and each other.
+"""
 
 import math
 
@@ -27,14 +29,15 @@ def test_against_the_truth(case):
     mass = np.array(case.chain.mass)
     passed = [(mass * (case.final - case.start))[k + 1 :].sum() for k in range(case.chain.contacts)]
     assert [c.momentum for c in found.contacts] == pytest.approx(passed, rel=1e-7)
-    # The share 1 - e**2 of the approach energy stays inside the clusters. With one striker, all of it is in the target
-    # cluster.
+    # The share 1 - e**2 of the approach energy stays inside the clusters, where e is the coefficient of restitution. If
+    # there is only one striker, all of this energy is in the target cluster.
     strikers = case.struck + 1
     first, second = mass[:strikers].sum(), mass[strikers:].sum()
     approach = 0.5 * first * second / (first + second) * (case.start[0] - case.start[-1]) ** 2
     share = found.energy_inside * 0.5 * (mass * case.start**2).sum() / approach
     lost = 1.0 - found.restitution**2
-    assert lost == pytest.approx(share if strikers == 1 else 2.0 * share, abs=1e-7)  # Two on two is symmetric.
+    # The collision of two beads with two beads is symmetric.
+    assert lost == pytest.approx(share if strikers == 1 else 2.0 * share, abs=1e-7)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.99])
@@ -51,7 +54,7 @@ def test_gears_below_the_critical_speed_are_rigid(share):
     assert (found.absorbed_by_contacts, found.absorbed_by_bed) == (0.0, 0.0)
     assert found.contact_time == pytest.approx(stroke.contact_time, rel=1e-9)
     assert found.peak_force == pytest.approx(stroke.peak_force, rel=1e-6)
-    # Eq. (5): all beads have the same acceleration.
+    # According to Eq. (5), all beads have the same acceleration.
     accelerations = [contact.peak_acceleration for contact in found.contacts]
     assert accelerations == pytest.approx([stroke.peak_force / (3 * MASS)] * 3, rel=1e-6)
     for inner in found.contacts[1:]:
@@ -62,7 +65,7 @@ def test_gears_below_the_critical_speed_are_rigid(share):
 def test_a_coupler_is_loaded_for_as_long_as_it_is_pulled_out():
     push, pull = draft_gear(20.0, 0.05), draft_gear(30.0, 0.04)
     chain = Chain([1.0, 3.0], Coupler(push, pull=pull, slack=0.1))
-    found = simulate(chain, [0.0, 1.0], 1.2)  # First pulled, then pushed.
+    found = simulate(chain, [0.0, 1.0], 1.2)  # The contact is first pulled, then pushed.
     loaded = one_on_one(pull, 0.75, 1.0).contact_time + one_on_one(push, 0.75, 1.0).contact_time
     assert measures.dwell(found, 0)[0] == pytest.approx([1.1 - loaded, 0.0, loaded], abs=3e-3)
 
@@ -73,10 +76,10 @@ def test_softer_is_more_rigid_in_every_measure():
         values = [getattr(one, name) for one in found]
         assert values == sorted(values, reverse=falls), name
     during, after = found[-1].rigidity_at_detachment, found[-1].rigidity
-    assert during < after < 0.25  # The velocities diverge after the detachment, Sec. IV.
+    assert during < after < 0.25  # The velocities diverge after the beads separate, see Sec. IV of the paper.
     shares, ends = [contact.transmitted for contact in found[2].contacts], found[2].final_velocity
     assert shares == sorted(shares, reverse=True)
-    # The momentum that is not reflected.
+    # The other values are the momentum that is not reflected.
     assert (shares[0], shares[-1]) == pytest.approx((1.0 - ends[0], ends[-1]), rel=1e-6)
 
 
@@ -97,16 +100,18 @@ def test_a_contact_far_shorter_than_the_run_is_measured():
 
 def test_a_force_that_jumps_passes_its_momentum_on_a_bed_too():
     free, on_bed = (Chain([10, 0.1, 10], step_force(100.0), [0.0, 0.5], friction=friction) for friction in (0.0, 1e-9))
-    a, b = (measured(collide(chain, [1.0, 0.0, 0.0])) for chain in (free, on_bed))  # The light bead hits eleven times.
+    # The light bead collides eleven times.
+    a, b = (measured(collide(chain, [1.0, 0.0, 0.0])) for chain in (free, on_bed))
     assert [c.momentum for c in b.contacts] == pytest.approx([c.momentum for c in a.contacts], rel=1e-3)
 
 
 def test_against_a_wall():
     found = measured(collide(Chain([1, 1, math.inf], hertz(2.0), [0.0, 0.5]), [1.0, 1.0, 0.0]))
     assert found.struck == 1
-    assert found.rigidity is None  # Behind the struck contact there is only the wall.
+    assert found.rigidity is None  # There is only a wall behind the contact that is hit.
     assert found.peak_acceleration is None
-    assert found.contacts[1].momentum == pytest.approx(4.0, rel=0.02)  # A small part of the momentum oscillates inside.
+    # A small part of the momentum oscillates inside the cluster.
+    assert found.contacts[1].momentum == pytest.approx(4.0, rel=0.02)
     assert 0.9 < found.restitution <= 1.0
 
 
@@ -118,8 +123,8 @@ def test_measures_without_mean_velocity_or_approach():
 
 def test_loss_of_one_on_one_is_its_restitution():
     found = measured(collide(one_on(1, draft_gear(770.0, 0.0177, loss=0.64), MASS), [1.0, 0.0]))
-    assert found.restitution == pytest.approx(0.6, abs=2e-3)  # sqrt(1 - loss)
-    # The loss refers to the energy of approach, which is half of the total energy.
+    assert found.restitution == pytest.approx(0.6, abs=2e-3)  # The expected restitution is sqrt(1 - loss).
+    # The loss refers to the energy of the approaching beads, which is half of the total energy.
     assert found.absorbed_by_contacts == pytest.approx(0.5 * 0.64, rel=1e-2)
     assert found.absorbed_by_bed == 0.0
     assert found.momentum_deficit == pytest.approx(0.0, abs=1e-9)
@@ -133,24 +138,27 @@ def test_the_bed_takes_momentum():
     left = 0.5 * MASS * (trajectory.velocity[-1] ** 2).sum() / (0.5 * MASS * speed**2)
     assert found.absorbed_by_bed == pytest.approx(1.0 - left, rel=1e-9)
     assert found.rigidity == pytest.approx(0.0, abs=1e-9)
-    # Beads that rest side by side do not count as touching.
+    # Beads that rest side by side without a force do not count as touching.
     assert found.contacts[1].touching == pytest.approx(found.contact_time, rel=2e-3)
     impact = math.sqrt(speed**2 - 2.0 * friction * 9.80665 * way)
     free = measured(collide(one_on(3, GEAR, MASS), [impact, 0.0, 0.0, 0.0]))
     assert found.contact_time == pytest.approx(free.contact_time, rel=0.2)
-    # The bed pulls at up to four beads while the striker touches.
+    # Friction with the bed acts on up to four beads while the striker is in contact.
     most = 4.0 * friction * 9.80665 * found.contact_time / impact
     assert 0.2 * most < found.momentum_deficit < most
     assert 0.0 < found.energy_deficit < 0.5
     assert found.restitution < free.restitution
     gained = 3.0 * MASS * measures.interpolated(trajectory, trajectory.velocity, found.detachment)[1]
-    taken = 3.0 * friction * MASS * 9.80665 * found.contact_time  # All three targets slide while they are pushed.
+    # All three targets slide while the striker pushes them.
+    taken = 3.0 * friction * MASS * 9.80665 * found.contact_time
     assert found.momentum == pytest.approx(gained + taken, rel=2e-3)
     assert found.contacts[2].momentum == pytest.approx((gained + taken) / 3.0, rel=2e-3)
 
 
 def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
-    """Check that equal scaling variables give equal spreads for any n and alpha, and that it is None for other chains."""
+    """Check that equal scaling variables give equal spreads of the velocities for any n and alpha. The scaling variable
+    is None for chains of other kinds.
+    """
     found = []
     for n, inverse in ((4, 10.0), (8, 16.0 * math.log(9.0 / measures.spread_variable(4, 0.1)))):
         chain = one_on(n, power_law(1.0, 1.0 / inverse))
@@ -173,7 +181,9 @@ def test_the_scaling_variable_of_the_spread_is_that_of_one_on_n_alike():
     "changes", [{"gap": [0, 0.3, 0.3]}, {"gap": [-0.3, 0, 0]}, {"drive": [0.1, 0, 0, 0]}, {"friction": 0.1}]
 )
 def test_clusters_that_are_apart_or_pushed_have_no_critical_speed(changes):
-    """Check four gears with gaps or initial pressure. They are not rigid at any speed."""
+    """Check that the critical speed is not defined for four draft gears with gaps or initial pressure. These clusters
+    are not rigid at any speed.
+    """
     chain = Chain([1.0] * 4, GEAR, **changes)
     assert closed_forms.speed_ratio(chain, 0, 0.1) is None
     assert closed_forms.speed_ratio(Chain([1.0] * 4, GEAR, gap=[0.3, 0, 0]), 0, 0.1) > 0.0
@@ -185,8 +195,8 @@ CARRIED = [(PULLED, "accurate"), (lambda overlap: 100.0 * overlap, "accurate"), 
 
 @pytest.mark.parametrize(("law", "method"), CARRIED)
 def test_couplers_and_user_defined_laws_are_measured(law, method):
-    """Check that critical speed and scaling variable are None. `accurate` rejects gears that pull with an exponent
-    below 1.
+    """Check that critical speed and scaling variable are None for couplers and user-defined laws. The method `accurate`
+    rejects pulling gears with an exponent below 1.
     """
     run = collide(one_on(2, law), [1, 0, 0], 0.5, samples=101)
     found = measured(run)
@@ -198,8 +208,8 @@ def test_couplers_and_user_defined_laws_are_measured(law, method):
 
 @pytest.mark.parametrize("first", [0.0, 2.0])
 def test_momentum_is_that_passed_within_the_samples(first):
-    """Compare with the integral of the force. Drives and forces act on both sides, and only a part of the run is
-    sampled.
+    """Compare the transmitted momentum with the integral of the contact force. External forces act on both sides of the
+    contact, and the samples cover only a part of the run.
     """
     forces = [TimedForce(0, [0.0, 4.0], [0.0, 2.0]), TimedForce(1, 0.0, -0.5)]
     chain = Chain([1.0, 2.0], hooke(10.0), drive=[1.0, -0.5], forces=forces)

@@ -1,4 +1,4 @@
-"""The table of hits: closed forms, balances over the whole table, and other methods."""
+"""Tests of the table of hits. The table is compared with closed forms, with conservation laws and with other methods."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,9 @@ def test_the_largest_force_does_not_depend_on_the_samples():
 
 
 def test_the_largest_force_of_a_trajectory_is_exact():
-    """Compare with the closed form. The maximum of 201 samples is too small by more than 1e-5."""
+    """Compare the largest force with the closed form. The maximum of 201 samples of the force is too small by more than
+    1e-5.
+    """
     law = hertz(50.0, loss=0.36)
     run = simulate(Chain([1.5, 0.7, 1.0], law, gap=[0.2, 50.0]), [1.3, 0.0, 0.0], 2.0)
     exact = one_on_one(law, 1.5 * 0.7 / 2.2, 1.3).peak_force

@@ -1,4 +1,6 @@
-"""Tests of matching: members of the family find themselves, results are monotone, and distances are correct."""
+"""Tests of the search for a contact law that gives a similar collision. A law of the searched family must find itself.
+The results must be monotone, and the distances between two results must be correct.
+"""
 
 import math
 
@@ -10,10 +12,10 @@ from softcradle.physics.analysis.closed_forms import critical_speed, rigid_strok
 from softcradle.physics.analysis.collision import collide
 from softcradle.physics.analysis.matching import DESCENTS, NEAR, RATIOS, Match, match
 
-pytestmark = pytest.mark.slow  # Each match is a search that takes some seconds.
+pytestmark = pytest.mark.slow  # Each search takes some seconds.
 
 GEAR, MASS = draft_gear(770.0, 0.0177), 0.396
-GEARS = one_on(3, GEAR, MASS)  # The chain of the paper.
+GEARS = one_on(3, GEAR, MASS)  # Chain of draft gears that the paper studies.
 CRITICAL = critical_speed(GEAR, GEARS.mass, 1)
 
 
@@ -23,7 +25,7 @@ def soft_match(alpha: float, distance: str = "force") -> Match:
 
 @pytest.mark.parametrize(
     ("alpha", "distance"), [(1 / 14, "force")] + [(alpha, distance) for alpha in (0.4, 1.5) for distance in DESCENTS]
-)  # At 1/14 the velocities are so close to rigid that the outcome cannot distinguish small exponents.
+)  # With alpha = 1/14, the velocities are almost those of a rigid cluster. The outcome therefore cannot distinguish small exponents.
 def test_a_power_law_finds_itself(alpha, distance):
     found = match(one_on(3, power_law(2.0, alpha)), [1, 0, 0, 0], distance, "power_law", start=power_law(3.0, 0.2))
     assert (found.contact.stiffness, found.contact.exponent) == pytest.approx((2.0, alpha), rel=1e-3)
@@ -52,7 +54,7 @@ def test_a_linear_spring_is_in_both_families():
     assert (as_power.contact.stiffness, as_power.contact.exponent) == pytest.approx((3.0, 1.0), rel=1e-3)
     assert as_gear.contact.stiffness == pytest.approx(3.0, rel=1e-3)
     assert as_gear.residual < 1e-3
-    assert as_gear.ends == ("precompression",)  # 0 is not a value of the search.
+    assert as_gear.ends == ("precompression",)  # The search does not include the value 0.
 
 
 def test_softer_contacts_match_gears_better():
@@ -61,12 +63,12 @@ def test_softer_contacts_match_gears_better():
     assert strokes == sorted(strokes, reverse=True)
     residuals = [f.residual for f in found]
     assert residuals == sorted(residuals)
-    assert [f.near for f in found] == [True, True, True, False]  # Hertz contacts are not similar to a draft gear.
-    # Equal forces do not imply equal outcomes, so every match also reports the outcome. For 1/10, v1 is 0.400 with the
-    # gear instead of 0.174.
+    assert [f.near for f in found] == [True, True, True, False]  # Hertz contacts do not behave like a draft gear.
+    # Equal forces do not imply equal outcomes, so every match also contains the outcome. For alpha = 1/10, the velocity
+    # v1 is 0.400 with the draft gear instead of 0.174.
     assert found[1].outcome > NEAR
     assert found[1].speed_ratio == pytest.approx(0.89, abs=0.02)
-    # The residual is the distance of the two force pulses of the struck contact, relative to the first pulse.
+    # The residual is the distance between the two force pulses of the contact that is hit, relative to the first pulse.
     grid, pulses = np.linspace(0.0, 4.0, 40_001), []
     for contact in (found[2].given, found[2].contact):
         made = collide(one_on(4, contact), [1, 0, 0, 0, 0], samples=8001)
@@ -78,8 +80,11 @@ def test_softer_contacts_match_gears_better():
 
 @pytest.mark.parametrize("alpha", [0.1, 1 / 14])
 def test_the_outcome_is_matched_above_the_critical_speed(alpha):
-    """Check that the search goes above the critical speed v_c. Below it, all gears have the same outcome. One on 4 with
-    1/10 agrees within 0.6 % with a gear at 1.26 v_c, instead of 11 %.
+    """Check that the search includes speeds above the critical speed v_c. Below it, all draft gears have the same
+    outcome.
+
+    For one bead that hits four beads with alpha = 1/10, a gear at 1.26 v_c agrees within 0.6 %. A gear below v_c agrees
+    only within 11 %.
     """
     found = soft_match(alpha, "outcome")
     assert found.residual < 0.007

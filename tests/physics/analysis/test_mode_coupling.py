@@ -1,4 +1,4 @@
-"""Tests of the mode-coupling model: its equations, overlaps, accuracy, and the cases for which it is exact."""
+"""Tests of the mode-coupling model: its equations, overlaps and accuracy, and the collisions for which it is exact."""
 
 import math
 
@@ -16,8 +16,8 @@ HIT = [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def test_the_modes_solve_the_equations_of_the_paper():
-    """Compare with Eq. (A3), written out with M = m2 + ... + mn: its right-hand sides equal the second derivatives of
-    Phi and psi.
+    """Compare the modes with Eq. (A3), where M = m2 + ... + mn. The right-hand sides of this equation must equal the
+    second derivatives of Phi and psi.
     """
     times = np.linspace(0.3, 1.1, 161)
     found = mode_coupling(MIXED, HIT, 1.2, samples=times, tolerance=1e-10)
@@ -32,8 +32,8 @@ def test_the_modes_solve_the_equations_of_the_paper():
 
 
 def test_inner_beads_have_one_acceleration():
-    """Compare with Eq. (A1), written out, and with Eq. (7), its homogeneous case. Eq. (5) follows from the equal
-    accelerations.
+    """Compare the accelerations of the inner beads with Eq. (A1) and with Eq. (7), its homogeneous case. Eq. (5)
+    follows from the equal accelerations.
     """
     found = mode_coupling(MIXED, HIT)
     psi, mass = np.maximum(found.psi, 0.0), MIXED.mass
@@ -69,12 +69,14 @@ def test_two_targets_need_no_reduction():
 
 @pytest.mark.parametrize("alpha", [1 / 10, 1 / 30])
 def test_start_is_the_series(alpha):
-    """Compare with the series Phi ~ t, psi ~ t**(2 + alpha) / ((1 + alpha)(2 + alpha)), from t = 1e-30 on."""
+    """Compare the start of the motion with the series Phi ~ t, psi ~ t**(2 + alpha) / ((1 + alpha)(2 + alpha)). The
+    times begin at 1e-30.
+    """
     times = np.logspace(-30, -20, 11)
     found = mode_coupling(one_on(4, power_law(1.0, alpha)), HIT, 1.0, samples=times)
     np.testing.assert_allclose(found.phi, times, rtol=1e-9)
-    # The next term is smaller by the factor t**(alpha (1 + alpha)). The method itself computes forces to a few 1e-3
-    # here.
+    # The next term of the series is smaller by the factor t**(alpha (1 + alpha)). The forces of the model are accurate
+    # to a few 1e-3.
     slack = alpha * 2.0 * times ** (alpha * (1 + alpha)) + 3e-3
     series = times ** (2 + alpha) / ((1 + alpha) * (2 + alpha))
     assert (np.abs((found.psi / series) ** alpha - 1.0) < slack).all()
@@ -111,7 +113,9 @@ def test_beads_that_are_modes_may_be_driven(driven):
 
 
 def test_the_response_time_is_that_of_small_oscillations():
-    """Check two unit beads on a linear contact with omega**2 = 2 k. A contact that never loads has the response time 0."""
+    """Check the response time of two unit beads on a linear contact with omega**2 = 2 k. The response time is 0 for a
+    contact that never loads.
+    """
     found = simulate(Chain([1.0, 1.0, 1.0], [hooke(8.0), hertz(8.0)], gap=[0.0, 9.0]), [1.0, 0.0, 0.0], 1.0)
     assert response_times(found) == pytest.approx([1.0 / 4.0, 0.0])
     assert time_scale_separation(found) == pytest.approx([1.0 / math.pi**2, 0.0])

@@ -1,4 +1,6 @@
-"""Tests of ensembles and final states of many chains: bitwise equal to single runs, for any number of threads."""
+"""Tests of ensembles and final states of many chains. The results must be bitwise equal to single runs, for any number
+of threads.
+"""
 
 import itertools
 
@@ -18,35 +20,39 @@ CHAINS = [one_on(n, power_law(1.0, 1.0 / k)) for n in (1, 2, 4) for k in (3, 10)
 ]
 STARTS = [[1.0] + [0.0] * chain.contacts for chain in CHAINS]
 COUNT = 40  # Number of random chains.
-STEP = 1e-2  # Step [s]. Some chains chatter, and some blow up.
+STEP = 1e-2  # Step [s]. With this step some chains chatter, and the energy of some chains grows without bound.
 
 
 def chains_of(maker, contacts, count=COUNT):
-    """Return the first `count` random chains with this number of contacts, and their start velocities."""
+    """Return the first `count` random chains with the given number of contacts, and the start velocities of their
+    beads.
+    """
     drawn = (maker(seed, 4) for seed in itertools.count())
     found = list(itertools.islice((one for one in drawn if one[0].contacts == contacts), count))
     return [chain for chain, _ in found], np.array([velocity for _, velocity in found])
 
 
 def each_alone(chains, velocities, settings):
-    """Yield the single run of each chain with the settings that the ensemble uses for it."""
+    """Yield a single run for each chain. The run uses the same settings as the ensemble uses for the chain."""
     for k, (chain, velocity) in enumerate(zip(chains, velocities, strict=True)):
         own = {name: np.broadcast_to(value, len(chains))[k].item() for name, value in settings.items()}
         yield solve(chain, velocity, samples=2, **own)
 
 
 def rattling():
-    """Return chains with error amplification. Most of them need more than one run, and some are not determined."""
+    """Return chains whose motions amplify errors. Most of these chains need more than one run, and the motion of some
+    chains is not determined.
+    """
     draw = np.random.default_rng(3)
     masses, exponents = np.exp(draw.uniform(-1, 1, (25, 6))), draw.uniform(0.02, 0.12, (25, 5))
     chains = [Chain(mass, [power_law(1.0, a) for a in few]) for mass, few in zip(masses, exponents, strict=True)]
     return chains, -np.sort(-draw.normal(size=(25, 6)))
 
 
-# Contacts that close and open within a step.
+# These contacts close and open within one step.
 SHORT = [Chain([1.0, 1.0], hooke(450.0), gap=gap) for gap in (0.43, 0.44, 3.0)]
 PRESSED = [Chain([1.0, 1.0, 2.0], hertz(k), [-0.1, 0.2], friction=0.1) for k in (1.0, 2.0)]
-BATCHES = [  # (chains, velocities), and the settings of the ensemble.
+BATCHES = [  # Each entry contains chains and velocities, and the settings of the ensemble.
     *(
         (chains_of(random_collision, contacts), {"method": method, "step": STEP})
         for method in ("euler", "verlet", "yoshida4", "conserving") for contacts in (1, 3, 4)
@@ -74,7 +80,8 @@ def test_chains_end_as_they_would_alone(batch, settings):
         assert np.array_equal(ends.velocity_error[k], alone.velocity_error, equal_nan=True), k
         assert (ends.status[k], ends.time[k]) == (alone.status, alone.time[-1]), k
         assert ends.steps[k] == alone.steps, k
-        if "duration" not in settings:  # A sample at the end also evaluates contacts.
+        # A single run with a duration also evaluates the contacts for the sample at its end.
+        if "duration" not in settings:
             assert ends.evaluations[k] == alone.evaluations, k
 
 
@@ -109,8 +116,8 @@ def test_a_batch_is_its_chains():
     ],
 )
 def test_each_chain_moves_as_it_would_alone(settings, workers):
-    """Compare with single runs. The dense solves of the reference method use one BLAS thread, a setting that all runs
-    of a process share.
+    """Compare an ensemble with single runs. The dense solver of the reference method uses one BLAS thread. All runs of
+    a process share this setting.
     """
     found = ensemble(CHAINS, STARTS, **settings, workers=workers)
     assert [one.chain for one in found] == CHAINS
@@ -127,7 +134,7 @@ def test_progress_counts_every_chain_once():
 
 
 def test_warnings_stay_on_their_trajectory(recwarn):
-    """Check that only the first chain warns: its step is above the limit of the draft gear."""
+    """Check that only the first chain causes a warning. Its step is longer than the limit of the draft gear."""
     found = ensemble([CHAINS[-1], CHAINS[0]], [STARTS[-1], STARTS[0]], method="verlet", step=[1e-3, 1e-4])
     assert "past its limit" in str(found[0].warnings[0])
     assert not found[1].warnings
