@@ -1,4 +1,4 @@
-"""Tests of the Chain: arguments that it accepts or rejects, and the start that it gives a State."""
+"""Tests of the class Chain. The tests check which arguments it accepts or rejects, and the start values of a State."""
 
 import math
 import pickle
@@ -50,8 +50,8 @@ def test_every_start_is_one_of_its_own_with_the_gaps_of_the_chain():
 
 @pytest.mark.parametrize("seed", range(40))
 def test_chains_are_rejected_by_their_overlaps(seed):
-    """Check speeds just inside and outside the range of each chain. Exactly the runs with an overlap out of range must
-    be rejected.
+    """Check speeds just inside and just outside the allowed range of each chain. A run must be rejected if and only if
+    an overlap would be out of range.
     """
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 6))
@@ -72,8 +72,10 @@ def test_chains_are_rejected_by_their_overlaps(seed):
 
 @pytest.mark.parametrize("factor", [0.5, 1.0 - 1e-6, 1.0 + 1e-6, 2.0])
 def test_a_gear_that_yields_too_little_is_told_of(factor):
-    """Check the warning at the speed for which the gear yields by a thousandth of its precompression: v**2 / 4 =
-    preload * yield for two beads of 1 kg.
+    """Check the warning about a draft gear that hardly yields.
+
+    At the tested speed the gear yields by a thousandth of its precompression. For two beads of 1 kg this speed follows
+    from v**2 / 4 = preload * yield.
     """
     border = math.sqrt(4.0 * 6.0 * 2e-3)
     assert bool(unusual_warnings(Chain([1, 1], draft_gear(3.0, 2.0)), [factor * border, 0.0], 1e-8)) == (factor < 1.0)
@@ -84,6 +86,6 @@ def test_a_used_chain_can_be_pickled():
     first = simulate(chain, [1, 0, 0], 0.5)
     again = pickle.loads(pickle.dumps(chain))
     assert again == chain
-    # Values that the chain has cached are not pickled.
+    # A pickle does not contain values that the chain has cached.
     assert vars(again).keys() == {field.name for field in fields(Chain)}
     np.testing.assert_array_equal(simulate(again, [1, 0, 0], 0.5).final_velocity, first.final_velocity)

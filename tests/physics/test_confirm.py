@@ -1,4 +1,6 @@
-"""Tests of motions that amplify errors: deep soft contacts that oscillate, and gears that chatter between two strikers."""
+"""Tests of motions that amplify errors: deep soft contacts that oscillate, and draft gears that chatter between two
+beads that hit them from both sides.
+"""
 
 import math
 from collections.abc import Callable
@@ -21,19 +23,19 @@ from benchmarks.scan.truth import Truth
 from softcradle import scenes
 from tests.helpers.relations import PROMISE, simulate_quietly, struck
 
-GROWN = 2000.0  # Error amplification of a run that a finer run has to confirm.
+GROWN = 2000.0  # Error amplification above which a run must be confirmed by a finer run.
 
 
 @pytest.mark.slow
-# The deepest contact has a velocity of 1e-6 m/s.
+# The deepest contact has a speed of 1e-6 m/s.
 @pytest.mark.parametrize(("n", "softness"), [(2, 16), (3, 14), (3, 24)])
 def test_swings_of_deep_contacts_are_kept(n: int, softness: int) -> None:
-    """Check that oscillations are not damped. A step as long as an oscillation damps it a little, and errors were up to
-    160 times the tolerance.
+    """Check that oscillations of soft contacts are not damped. In an earlier version, steps as long as an oscillation
+    damped it slightly. The errors were up to 160 times the tolerance.
     """
     chain = one_on(n, power_law(1.0, 1.0 / softness))
     end = float(simulate(chain, struck(chain), samples=2, method="radau", tolerance=1e-6).time[-1])
-    # The reference uses none of the same kernels and resolves every oscillation.
+    # The reference uses different kernels and resolves every oscillation.
     truth = simulate(chain, struck(chain), end + 0.01, method="scipy", tolerance=1e-9, samples=2).final_velocity
     for method, tolerance in product(("accurate", "radau"), 10.0 ** -np.arange(4.0, 11.0)):
         found = simulate(chain, struck(chain), samples=2, method=method, tolerance=tolerance)
@@ -41,15 +43,15 @@ def test_swings_of_deep_contacts_are_kept(n: int, softness: int) -> None:
 
 
 def hit_from_both_sides(n, stiffness, precompression, last, tolerance, method="accurate"):
-    """Return the run of gears between two strikers. Warnings are ignored here."""
+    """Simulate draft gears that are hit from both sides. Ignore warnings."""
     chain, velocity = Chain([1.0] * (n + 1), draft_gear(stiffness, precompression)), [1.0, *[0.0] * (n - 1), last]
     return simulate_quietly(chain, velocity, method=method, samples=2, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_runs_of_like_steps_are_no_confirmation(method: str) -> None:
-    """Check that the finer run uses a perturbed chain. Steps between sharp events are the same at 1e-6 and 1e-7, and so
-    are their errors of 6e-3.
+    """Check that the finer run uses a slightly perturbed chain. Without the perturbation, the runs at 1e-6 and 1e-7 use
+    the same steps between sharp events and have the same errors of 6e-3.
     """
     truth = hit_from_both_sides(4, 5.0, 10.0, -0.5, 1e-10).final_velocity
     for tolerance in 10.0 ** -np.arange(3.0, 9.0):
@@ -59,8 +61,8 @@ def test_runs_of_like_steps_are_no_confirmation(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_motion_that_only_round_off_determines_says_so(method: str) -> None:
-    """Check gears far below their preload. They are rigid spheres, and round-off determines a collision of many
-    touching spheres, but not its energy and momentum.
+    """Check draft gears that are hit far below their preload. They behave like rigid spheres. Round-off then determines
+    the result of a collision of many spheres, but not its energy and momentum.
     """
     found = hit_from_both_sides(4, 1.0, 10.0, -0.2, 1e-6, method)
     assert any(warning.code == "sensitive" for warning in found.warnings)
@@ -71,8 +73,8 @@ def test_a_motion_that_only_round_off_determines_says_so(method: str) -> None:
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("n", [4, 5, 8, 13])
 def test_two_strikers_on_a_row_of_gears_are_a_mirror(n: int, method: str) -> None:
-    """Check contacts that reach their preload at the same time and yield together. Once, round-off chose one of the
-    contacts to yield first, and the run ended with NaN.
+    """Check contacts that reach their preload at the same time and must yield together. In an earlier version,
+    round-off chose one contact to yield first, and the run ended with NaN.
     """
     found = hit_from_both_sides(n, 1.0, 1.0, -1.0, 1e-6, method)
     assert not found.warnings
@@ -81,7 +83,9 @@ def test_two_strikers_on_a_row_of_gears_are_a_mirror(n: int, method: str) -> Non
 
 
 def test_unequal_beads_squeezed_at_their_preload_have_no_nan() -> None:
-    """Hit 13 gears at both ends. Whatever the number of steps or the warnings, the result must contain no NaN."""
+    """Check 13 draft gears that are hit at both ends. The result must not contain NaN, whatever the number of steps or
+    the warnings are.
+    """
     mass, velocity = np.random.default_rng(1).uniform(0.1, 6.0, 14), np.r_[1.0, np.zeros(12), -0.41]
     found = simulate_quietly(Chain(mass, draft_gear(1.88, 106.0)), velocity, 1e-3, samples=2, tolerance=1e-6)
     assert np.isfinite(found.final_velocity).all()
@@ -94,14 +98,16 @@ def hit(tolerance: float = 1e-6) -> Problem:
 
 
 def grown(record: Record, growth: float) -> Record:
-    """Return the record with the error amplification `growth`, and its estimate in proportion."""
+    """Return the record with the error amplification `growth`. The estimated error of the record changes in proportion."""
     return replace(record, growth=growth, velocity_error=growth / record.growth * record.velocity_error)
 
 
 @pytest.fixture
 def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[float]]:
-    """Return a function that replaces the confirming runs. Run k ends like a record, `apart(k)` [m/s] faster, after
-    `steps(k)`. The function returns the tolerances of the runs.
+    """Return a function that replaces the confirming runs by invented runs.
+
+    Run k ends like the given record, but it is `apart(k)` [m/s] faster and takes `steps(k)` steps. The function returns
+    the tolerances of the runs.
     """
 
     def like(record: Record, apart=lambda run: 0.0, steps=lambda run: None) -> list[float]:
@@ -123,8 +129,8 @@ def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[float]]:
 
 @pytest.mark.parametrize("tolerance", 10.0 ** -np.arange(3.0, 12.5, 0.25))
 def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
-    """Check that each run is finer. Two equally fine runs agree whatever their error is: starting from 1e-8, the last
-    two runs both used 1e-13.
+    """Check that each confirming run is finer than the previous run. Two equally fine runs agree whatever their error
+    is. In an earlier version that started at 1e-8, the last two runs both used 1e-13.
     """
     first = to_its_end(hit(tolerance))
     tolerances = other_runs(first, apart=lambda run: 0.1 * run)
@@ -134,22 +140,25 @@ def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
 
 
 AIM = Aim(tolerance=1e-6, scale=1.0, budget=10_000)
-SMALL = 1e-9  # Difference of two runs that agree [m/s].
+SMALL = 1e-9  # Velocity difference [m/s] of two runs that agree.
 
 
 def made_up(tolerance: float, faster: float = 0.0, growth: float = 100.0, estimate: float = 1e-6, **other) -> Run:
-    """Return a run of three beads in which the last bead is `faster` [m/s] than 1 m/s."""
+    """Return an invented run of three beads. The velocity of the last bead is 1 m/s plus `faster` [m/s]."""
     velocity = np.array([0.0, 0.5, 1.0 + faster])
     return Run(tolerance, velocity, np.full(3, estimate), growth, **{"steps": 100, **other})
 
 
 def finer_runs(*faster: float, **last) -> list[Run]:
-    """Return runs at 1e-6, 1e-7, ... whose last beads are this much `faster` [m/s]. `last` changes the last run."""
+    """Return invented runs with the tolerances 1e-6, 1e-7 and so on. The last bead of each run is faster by the given
+    value [m/s]. The arguments `last` change the last run.
+    """
     runs = [made_up(1e-6 / 10**number, each) for number, each in enumerate(faster)]
     return [*runs[:-1], runs[-1]._replace(**last)]
 
 
-# Situation, its runs, the index of the run that is the result (None: another run is needed), and its status.
+# Each entry contains a situation, its runs, the index of the run that is the result, and the status. The index is None
+# if another run is needed.
 SITUATIONS = [
     ("errors hardly amplified", [made_up(1e-6, growth=8.0)], 0, None),
     ("errors amplified", [made_up(1e-6, growth=8.1)], None, None),
@@ -177,7 +186,7 @@ SITUATIONS = [
     ("runs", "result", "status"), [one[1:] for one in SITUATIONS], ids=[one[0] for one in SITUATIONS]
 )
 def test_the_verdict_on_runs(runs: list[Run], result: int | None, status: Status | None) -> None:
-    """Check each row of the table of `verdict`."""
+    """Check each situation in the table of the function `verdict`."""
     found = verdict(AIM, runs)
     assert found.enough == (result is not None)
     if result is not None:
@@ -186,8 +195,8 @@ def test_the_verdict_on_runs(runs: list[Run], result: int | None, status: Status
 
 @pytest.mark.parametrize("apart", [0.0, 5e-7, -5e-7, 2e-5, 1.0])
 def test_the_error_of_a_confirmed_run_is_shown_by_the_difference(apart: float) -> None:
-    """Check the parts of the error: three times the difference of each bead, the largest difference of all beads, and a
-    tenth of the estimate of the first run.
+    """Check the three terms of the error of a confirmed run. They are three times the difference of each bead, the
+    largest difference of all beads, and a tenth of the estimate of the first run.
     """
     runs = finer_runs(0.0, apart, steps=9_000)
     found = verdict(AIM, [runs[0]._replace(estimate=np.array([4e-6, 4e-6, 2e-6])), runs[1]])
@@ -196,7 +205,9 @@ def test_the_error_of_a_confirmed_run_is_shown_by_the_difference(apart: float) -
 
 
 def test_the_error_contains_the_estimate_of_a_run_that_spent_its_budget() -> None:
-    """Check a finer run that `conserving` finished. Its error can be larger than that of the first run."""
+    """Check a finer run that exhausted its budget and was finished by the method `conserving`. Its error can be larger
+    than the error of the first run.
+    """
     spent = finer_runs(0.0, 1e-6, spent=True, estimate=np.full(3, 1e-3))
     assert verdict(AIM, spent).error == pytest.approx([1.001e-3, 1.001e-3, 1.003e-3])
 
@@ -215,8 +226,8 @@ def test_the_cost_of_all_runs_is_counted(other_runs) -> None:
     assert found.evaluations == 4 * first.evaluations
 
 
-# In `power` 1330 and `one-on-n`, beads separate at 5e-15 to 9e-12 m/s. Two runs of `clusters` 76 and of `extreme` 855
-# agree by chance, and one bead of `clusters` 323.
+# In `power` 1330 and in `one-on-n`, beads separate at 5e-15 to 9e-12 m/s. Two runs of `clusters` 76 and of `extreme`
+# 855 agree by chance. In `clusters` 323, the velocities of one bead agree by chance.
 DAMPED = [
     ("extreme", 310, 1e-8), ("clusters", 876, 1e-6), ("walls", 246, 1e-4), ("timed", 370, 1e-4), ("mixed", 1350, 1e-8),
     ("power", 1330, 1e-8), ("one-on-n", 1628, 1e-8), ("one-on-n", 1747, 1e-8), ("clusters", 76, 1e-4),
@@ -231,8 +242,8 @@ def truths():
 
 @pytest.mark.parametrize(("family", "seed", "tolerance"), DAMPED)
 def test_damping_common_to_all_runs_is_estimated(family: str, seed: int, tolerance: float, truths) -> None:
-    """Check beads that chatter between neighbours, or that separate too slowly to count. Coarser and finer runs once
-    ended with the same wrong velocities.
+    """Check beads that chatter between neighbours, and beads that separate very slowly. In an earlier version, coarser
+    and finer runs ended with the same wrong velocities.
     """
     drawn = motion(family, seed)
     found = simulate_quietly(drawn.chain, drawn.velocity, drawn.duration, samples=2, tolerance=tolerance)
@@ -242,23 +253,25 @@ def test_damping_common_to_all_runs_is_estimated(family: str, seed: int, toleran
 
 @pytest.mark.parametrize("growth", [20.0, 100.0, GROWN])
 def test_a_confirmed_error_is_at_least_a_tenth_of_the_first_estimate(growth: float, other_runs) -> None:
-    """Check the lower bound. Two runs can agree by chance: at 1e-6 a motion had an error of 33 tolerances and an
-    estimate of 3.7, and its first run estimated 414.
+    """Check the lower limit of a confirmed error, because two runs can agree by chance. At 1e-6 one motion had an error
+    of 33 tolerances. The estimate was 3.7 tolerances after two runs and 414 tolerances after the first run.
     """
     first = replace(to_its_end(hit()), growth=growth, velocity_error=np.array([4e-4, 4e-4, 2e-4]))
     other_runs(first)
     assert (confirmed(hit(), first).velocity_error >= [4e-5, 4e-5, 2e-5]).all()
 
 
-ENDS = 1e-30, 1e30  # Ends of the range of numbers that a chain accepts.
+ENDS = 1e-30, 1e30  # Smallest and largest number that a chain accepts.
 MASSES = [[1.0] * 5, [2.0, 1.0, 2.0, 2.0], [1.0, math.inf, 1.0, math.inf], *([end] * 3 + [math.inf] for end in ENDS)]
 GEARS = [[hertz(end), step_force(end), Coupler(hooke(end), hooke(end), travel=1.0, stop=end)] for end in ENDS]
 
 
 @pytest.mark.parametrize("chain", [Chain(m, OwnLaw(math.sqrt)) for m in MASSES] + [Chain([1.0] * 4, g) for g in GEARS])
 def test_other_runs_keep_the_bead_whose_velocity_they_hold(chain: Chain) -> None:
-    """Check the anchor of perturbed chains. With equal masses, another bead became the heaviest. At an end of the
-    range, a perturbation of 1e-10 made the chain invalid.
+    """Check that a perturbed chain keeps the bead that is its anchor, which is the heaviest bead.
+
+    In an earlier version, the perturbation of equal masses made another bead the heaviest. At an end of the range of
+    numbers, a perturbation of 1e-10 made the chain invalid.
     """
     start = State.at_start(chain, np.zeros(chain.contacts + 1))
     problem = Problem(chain, start, "accurate", 1.0, tolerance=1e-6, samples=2)
@@ -269,8 +282,8 @@ def test_other_runs_keep_the_bead_whose_velocity_they_hold(chain: Chain) -> None
 
 
 def test_the_estimated_error_of_chattering_is_not_too_small() -> None:
-    """Check a chattering motion. Finer runs differ by 1e-6 m/s, but runs at 1e-8 and 1e-9 agreed to 1e-9 because both
-    damped the chattering.
+    """Check the estimated error of a chattering motion. Finer runs differ by 1e-6 m/s. Runs at 1e-8 and 1e-9 agreed to
+    1e-9, because both damped the chattering.
     """
     lane = scenes.load("mixed").lanes[0]
     found = [simulate_quietly(lane.chain(), lane.velocity, samples=2, tolerance=each) for each in (1e-8, 1e-10)]
@@ -282,8 +295,8 @@ def test_the_estimated_error_of_chattering_is_not_too_small() -> None:
 @pytest.mark.parametrize("method", ["accurate", "conserving"])
 @pytest.mark.parametrize("seed", [0, 4, 6])
 def test_the_last_sample_is_at_the_end_however_late_that_is(seed: int, method: str) -> None:
-    """Check gaps of 15 orders of magnitude. In long flights a step is close to the round-off of the time, and steps are
-    too many to count.
+    """Check the last sample of chains whose gaps cover 15 orders of magnitude. In long flights a step is close to the
+    round-off of the time, and there are too many steps to count.
     """
     gap = 10.0 ** np.random.default_rng(seed).uniform(-12.0, 3.0, 40)
     chain = Chain(np.ones(41), step_force(10.0), gap)

@@ -25,7 +25,7 @@ def soft_match(alpha: float, distance: str = "force") -> Match:
 
 @pytest.mark.parametrize(
     ("alpha", "distance"), [(1 / 14, "force")] + [(alpha, distance) for alpha in (0.4, 1.5) for distance in DESCENTS]
-)  # With alpha = 1/14, the velocities are almost those of a rigid cluster. The outcome therefore cannot distinguish small exponents.
+)  # With alpha = 1/14, the velocities are almost those of a rigid cluster. The outcome cannot distinguish small exponents.
 def test_a_power_law_finds_itself(alpha, distance):
     found = match(one_on(3, power_law(2.0, alpha)), [1, 0, 0, 0], distance, "power_law", start=power_law(3.0, 0.2))
     assert (found.contact.stiffness, found.contact.exponent) == pytest.approx((2.0, alpha), rel=1e-3)

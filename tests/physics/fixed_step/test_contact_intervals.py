@@ -1,4 +1,6 @@
-"""Tests of closing and opening times with fixed steps: within a few steps of the reference times, on random chains."""
+"""Tests of closing and opening times of contacts in runs with fixed steps. The times must be within a few steps of the
+reference times. The chains are random.
+"""
 
 import math
 
@@ -9,14 +11,15 @@ from softcradle.physics.status import Status
 
 from tests.helpers.relations import simulate_quietly
 
-STEPS = 2000  # Number of steps in the time that the striker needs to cross the largest gap.
-# Allowed difference of a time, in steps per contact. With explicit steps a push passes one contact in two steps.
+STEPS = 2000  # Number of steps in the time in which the first bead crosses the largest gap.
+# Allowed difference of a closing time, in steps per contact. With explicit steps, a push takes two steps to pass a
+# contact.
 SLACK = 2.5
 
 
 def random_chain(seed: int) -> tuple[Chain, np.ndarray, float]:
-    """Return a chain with gaps before its inner contacts, its start velocities, and the time of two crossings of its
-    gaps.
+    """Return a random chain with gaps in front of its inner contacts, its start velocities, and a duration. The
+    duration is the time that a bead needs to cross the gaps twice.
     """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 6))
@@ -32,15 +35,19 @@ def random_chain(seed: int) -> tuple[Chain, np.ndarray, float]:
 
 
 def first_closings(chain: Chain, velocity: np.ndarray, duration: float, method: str, step: float | None) -> np.ndarray:
-    """Return the (n,) times [s] at which each contact first closes, or infinity."""
+    """Return the times [s] at which the contacts first close, as an array of shape (n,). The time is infinite for a
+    contact that never closes.
+    """
     found = simulate_quietly(chain, velocity, duration, method, step, samples=2)
     return np.array([intervals[0][0] if intervals else np.inf for intervals in found.contact_intervals])
 
 
 @pytest.mark.parametrize("seed", [*range(20), *(pytest.param(k, marks=pytest.mark.slow) for k in range(20, 40))])
 def test_first_closings_are_those_of_the_reference(seed):
-    """Compare with the reference. Explicit steps use no force at overlap 0, so touching contacts with a preload close
-    late and are left out.
+    """Compare the first closing times with the reference.
+
+    Explicit steps have no force at overlap 0, so contacts with a preload that start at overlap 0 close late. Chains
+    with a preload are therefore tested only with the method conserving.
     """
     chain, velocity, duration = random_chain(seed)
     gears = any(contact.preload > 0.0 for contact in chain.contact)
@@ -55,7 +62,7 @@ def test_first_closings_are_those_of_the_reference(seed):
 
 
 STIFF = 450.0  # Stiffness [N/m]. Two beads of 1 kg are in contact for about one step of 0.1 s.
-GAP = 0.43  # Gap [m]. At 1 m/s the contact closes and opens between the two ends of a step.
+GAP = 0.43  # Gap [m]. At a speed of 1 m/s the contact closes and opens between the two ends of one step.
 CHAINS = {
     "free": Chain([1.0, 1.0], hooke(STIFF), gap=GAP),
     "one bead brakes": Chain([1.0, 1.0], hooke(STIFF), gap=GAP, brakes=TimedForce(0, 0.0, 1e-3)),
@@ -65,16 +72,18 @@ CHAINS = {
 
 @pytest.mark.parametrize("chain", CHAINS.values(), ids=CHAINS)
 def test_a_run_ends_soon_after_a_contact_that_no_step_shows(chain):
-    ahead = [1.0] * (chain.contacts - 1)  # No bead reaches the beads beyond.
+    ahead = [1.0] * (chain.contacts - 1)  # The hit bead does not reach the other beads.
     found = simulate_quietly(chain, [1.0, 0.0, *ahead], method="verlet", step=0.1, samples=2)
-    assert found.final_velocity[0] < 0.5  # The bead has hit.
+    assert found.final_velocity[0] < 0.5  # The first bead has hit the second bead.
     assert found.contact_intervals[0] == ()
     assert found.status == Status.SEPARATED
-    assert found.steps <= 20  # The bead reaches the contact in five steps, and then they separate.
+    assert found.steps <= 20  # The first bead reaches the contact in five steps. Afterwards the beads separate.
 
 
 def test_endless_flights_are_ended():
-    """Check beads that chatter leaves with rates of round-off. They separate for 1e18 steps and would then meet again."""
+    """Check beads that separate at speeds of the size of round-off after many bounces. They would separate for 1e18
+    steps and then meet again.
+    """
     masses = [30.302047757650957, 0.06879557626047945, 33.32308902031443, 5.314720953392335]
     chain = Chain(masses, step_force(3.477215654725435))
     start = [-0.14915296, -0.14915296, -0.43683214, -0.43683214]
@@ -85,8 +94,8 @@ def test_endless_flights_are_ended():
 
 @pytest.mark.parametrize("law", [draft_gear(100.0, 0.05), hertz(100.0), hooke(1.0), power_law(10.0, 0.1)], ids=str)
 def test_energy_is_conserved_over_a_hundred_thousand_steps(law):
-    """Check the correction of round-off. Without it, the energy of the gears had an error of 3e-10, and of 3e-8 after
-    ten times as many steps.
+    """Check the correction of round-off in the energy. Without it, the energy of the draft gears had an error of 3e-10.
+    After ten times as many steps, the error was 3e-8.
     """
     chain = Chain([math.inf, 1.0, 2.0, 1.0, math.inf], law, gap=[0.02, 0.02, 0.02, 0.01])
     found = simulate_quietly(chain, [0.0, 1.0, 0.0, -0.3, 0.0], 3000.0, "conserving", step=0.03, samples=2)

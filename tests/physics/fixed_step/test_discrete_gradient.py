@@ -1,5 +1,7 @@
-"""Tests of method conserving: energy and momentum up to round-off at any step in every scene, exact touching, and the
-resolvent.
+"""Tests of the method conserving.
+
+Energy and momentum must be conserved up to round-off with any step in every scene. Contacts at overlap 0 must be exact.
+The tests also check the resolvent, which solves the equation of a single contact.
 """
 
 import math
@@ -29,14 +31,16 @@ from tests.helpers.relations import assert_momentum, assert_sound, energy_error,
 from tests.helpers.truth import GEAR
 
 
-# Steps [s], independent of the time scales of the scenes.
+# Steps [s]. They do not depend on the time scales of the scenes.
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 1e-2, 0.1, 1.0])
 @pytest.mark.parametrize("name", scenes.names())
 def test_energy_and_momentum_in_every_scene(name, step):
-    duration = min(step * 20_000, 20.0)  # Even with the shortest step, this covers most collisions completely.
+    # Even with the shortest step, this duration includes most collisions completely.
+    duration = min(step * 20_000, 20.0)
     for lane in scenes.load(name).lanes:
         chain, velocity = lane.chain(), lane.velocity
-        found = simulate(chain, velocity, duration, "conserving", step, samples=101)  # A warning counts as an error.
+        # Any warning makes this test fail.
+        found = simulate(chain, velocity, duration, "conserving", step, samples=101)
         assert np.ptp(found.ledger) < 1e-11 * max(found.ledger[0], np.abs(found.driven).max())
         assert np.isnan(found.velocity_error).all()
         assert np.isnan(found.position_error).all()
@@ -50,8 +54,8 @@ def test_energy_and_momentum_in_every_scene(name, step):
 @pytest.mark.parametrize("parts", [3, 7, 100, 1000])
 @pytest.mark.parametrize("n", [2, 3, 10])
 def test_touching_is_exact(parts, n):
-    """Check that below the critical speed the inner overlaps are exactly 0, and that their forces are those of a rigid
-    train.
+    """Check collisions below the critical speed. The inner overlaps must be exactly 0, and the inner forces must be
+    those of a rigid train.
     """
     chain, speed = one_on(n, GEAR), 0.9 * critical_speed(GEAR, np.ones(n + 1), 1)
     pulse = rigid_stroke(GEAR, chain.mass, 1, speed).contact_time
@@ -70,17 +74,17 @@ def test_a_step_force_moves_as_a_rigid_cluster_at_any_step():
         assert found.final_velocity == pytest.approx([-0.6, 0.4, 0.4, 0.4, 0.4], abs=1e-12)
         during = found.force[:, 0] > 0.0
         assert (found.overlap[during, 1:] == 0.0).all()
-        assert np.abs(found.overlap[:, 1:]).max() < 1e-14  # Afterwards the beads fly side by side.
+        assert np.abs(found.overlap[:, 1:]).max() < 1e-14  # After the collision the beads fly side by side.
 
 
-# Collisions of up to 40 contacts. With these steps, earlier solvers cycled, overflowed, or reported a failure because
-# of round-off.
+# Collisions of up to 40 contacts, each with a step for which an earlier solver failed. The solver cycled, overflowed,
+# or reported a failure because of round-off.
 HARD = {
     3: (6, 9, 33),
     30: (146, 169),
     0: (594,),
     1000: (136, 1879, 169, 146),
-}  # The keys are the numbers of steps per contact time.
+}  # The keys are the numbers of steps in one contact time.
 
 
 @pytest.mark.parametrize(("seed", "parts"), [(seed, parts) for parts, seeds in HARD.items() for seed in seeds])
@@ -97,7 +101,7 @@ def test_collisions_that_were_hard(seed, parts):
 @pytest.mark.parametrize("step", [1e-3, 5e-3, 0.02, 0.1])
 @pytest.mark.parametrize(("preload", "target"), [(1e2, 1.0), (1e3, 2.0), (1e4, 0.5)])
 def test_a_collision_shorter_than_a_step_has_its_restitution(preload, target, step):
-    """Check beads that touch from the start: restitution squared is 1 - loss."""
+    """Check the restitution of beads that touch from the start. The square of the restitution must be 1 - loss."""
     found = simulate(Chain([1, target], Contact(preload, 1e3, 1.0, loss=0.75)), [1, 0], 0.2, "conserving", step, 2)
     rigid = 1.0 / (1.0 + target)
     assert found.final_velocity == pytest.approx([rigid - 0.5 * (1.0 - rigid), 1.5 * rigid], abs=0.02)
@@ -111,8 +115,8 @@ def test_a_collision_shorter_than_a_step_has_its_restitution(preload, target, st
     ([1.0, 2.0, 0.5, 1e3], 0.1, [60.0, 20.0, 10.0, 0.0]),
 ])  # fmt: skip
 def test_pressed_beads_with_loss_come_to_rest(mass, friction, drive, step):
-    """Check that bounces within a step lose as much energy as in many steps. Otherwise the beads reverse at each step,
-    forever.
+    """Check that bounces within one step lose as much energy as bounces that take many steps. Otherwise the beads would
+    reverse at each step forever.
     """
     n = len(mass) - 1
     for loss in (0.3, 0.75):
@@ -132,7 +136,9 @@ def test_a_pull_that_rests_at_the_end_of_the_slack_comes_to_rest():
 
 
 def test_a_step_on_which_newton_cycles_keeps_the_energy():
-    """Check a step on which 129 iterations of Newton's method form a cycle. The energy is still conserved."""
+    """Check that a step conserves energy although Newton's method does not converge. The 129 iterations of this step
+    form a cycle.
+    """
     chain, velocity = random_collision(9, 40)
     step = float(contact_scales(chain, velocity)[1].max()) / 3
     state = State.at_start(chain, velocity)
@@ -143,7 +149,7 @@ def test_a_step_on_which_newton_cycles_keeps_the_energy():
 
 
 LAWS = [*product((0.0, 0.3, 4.0), (1e-3, 1.0, 50.0), (1 / 50, 0.1, 0.5, 1.0, 1.5, 3.0))]
-LAWS += 18 * [(4.0, 0.0, 1.0)]  # Every fourth law is a step force.
+LAWS += 18 * [(4.0, 0.0, 1.0)]  # A quarter of the laws have a constant force.
 
 
 def sizes(low, high):
@@ -154,16 +160,16 @@ def of_either_sign(numbers):
     return st.one_of(st.just(0.0), numbers, numbers.map(lambda x: -x))
 
 
-# Includes overlaps that the previous step left by round-off.
+# Initial overlaps. They include the small overlaps that round-off leaves after a step.
 START = of_either_sign(st.one_of(sizes(-12, 1), sizes(-300, -12)))
 WEIGHT, SUM = sizes(-10, 3), of_either_sign(sizes(-12, 2))
-NO_ENERGY = 1e-260  # The resolvent treats smaller energies as 0.
+NO_ENERGY = 1e-260  # The resolvent treats energies below this value as 0.
 
 
 @given(st.sampled_from(LAWS), START, WEIGHT, SUM, st.floats(0, 1))
 def test_the_resolvent_solves_its_equation(law, start, weight, s, guess):
-    """Check that the force is the mean force (E(d1) - E(d0)) / (d1 - d0): work equals energy up to round-off of the
-    larger energy.
+    """Check that the force is the mean force (E(d1) - E(d0)) / (d1 - d0). The work then equals the change of energy, up
+    to the round-off of the larger energy.
     """
     start_power = start ** law[2] if start > 0.0 else 0.0
     end, force, slope = plain(resolvent)(NO_GRAPHS, -1, *law, start, start_power, weight, s, guess * s)
@@ -176,8 +182,8 @@ def test_the_resolvent_solves_its_equation(law, start, weight, s, guess):
 
 
 def test_a_failure_to_converge_is_returned():
-    """Check that `solve_contacts` returns a negative count for a matrix that does not come from a chain and leaves the
-    equations without a solution.
+    """Check that `solve_contacts` returns a negative count if the equations have no solution. The matrix in this test
+    does not belong to any chain.
     """
     n = 2
     chain = ChainData(np.array([[0.0, 1.0, 3.0]] * n), np.full(n + 1, 1e3), NOTHING, NOTHING, 0)
@@ -188,8 +194,8 @@ def test_a_failure_to_converge_is_returned():
 
 
 def test_a_soft_cluster_keeps_its_depth():
-    """Check overlaps of ((n-i)/(n-1))**30. The smallest are far below the round-off of positions, and their forces
-    still decrease linearly.
+    """Check a soft cluster with the overlaps ((n-i)/(n-1))**30. The smallest overlaps are far below the round-off of
+    positions, but their forces still decrease linearly.
     """
     found = simulate(one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10, 0.3, "conserving", 1e-3, samples=[0.2, 0.3])
     assert 0.0 < found.overlap[-1, -1] < 1e-25
@@ -198,8 +204,8 @@ def test_a_soft_cluster_keeps_its_depth():
 
 @pytest.mark.parametrize("part", [1.0, 0.83, 0.61, 0.5])
 def test_contacts_that_push_no_more_end_a_run(part):
-    """Check the end of a deep cluster. Beads almost at rest pressed on each other with 1e-24 N, for 1e21 s with
-    doubling steps.
+    """Check that the run of a cluster of soft contacts ends. In an earlier version, beads almost at rest pressed on
+    each other with 1e-24 N. The steps doubled until the time was 1e21 s.
     """
     chain = one_on(23, power_law(1.0, 0.006365575522831995))
     state = State.at_start(chain, np.zeros(24))

@@ -1,5 +1,5 @@
-"""Tests of one step of conserving against its equations: contacts, loss, friction, external forces, and absorbed
-energy.
+"""Tests of one step of the method conserving. The step is compared with its equations for contacts, loss, friction,
+external forces and absorbed energy.
 """
 
 import math
@@ -44,8 +44,8 @@ def random_chain(seed, dissipative):
 
 
 def hard_chain(seed):
-    """Return a chain for which Newton's method alone fails: masses of four orders of magnitude, walls, friction
-    coefficients up to 50, some couplers.
+    """Return a chain for which Newton's method fails without a fallback. The masses cover four orders of magnitude, and
+    the friction coefficients are up to 50. Some chains have walls or couplers.
     """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 9))
@@ -64,18 +64,18 @@ def hard_chain(seed):
 
 
 def records(chain, state):
-    """Return the arguments of a kernel: the chain, the Motion that uses the arrays of `state`, and work memory."""
+    """Return the arguments of a kernel: the chain, a Motion that shares the arrays of `state`, and work memory."""
     data, motion = records_of(chain, state)
     return data, motion, np.zeros((BEAD_ROWS, chain.contacts + 1)), np.zeros((WORK_ROWS, chain.contacts))
 
 
 def step(chain, state, h):
-    """Take one whole step in place. Return the iterations of the solver."""
+    """Take one undivided step in place. Return the number of iterations of the solver."""
     return single_step(h, *records(chain, state), True, True)[0]
 
 
 def taken(chain, state, h):
-    """Take one step, divided at events if the method needs it."""
+    """Take one step in place. The method divides the step at events if necessary."""
     return gradient_step(h, *records(chain, state))
 
 
@@ -88,11 +88,11 @@ def test_a_step_solves_its_equations(first, dissipative):
 
 def test_hard_steps_solve_their_equations():
     iterations = [check_step(*hard_chain(seed), seed) for seed in range(200)]
-    assert sum(iterations) < 3900  # They take 3530.
+    assert sum(iterations) < 3900  # The steps take 3530 iterations in total.
 
 
 def check_step(chain, state, h, seed):
-    """Check one step against its equations. Return the iterations of the solver."""
+    """Check one step against its equations. Return the number of iterations of the solver."""
     before = state.copy()
     v0, push = before.velocity(chain), state.external(chain)
     used = step(chain, state, h)
@@ -102,7 +102,8 @@ def check_step(chain, state, h, seed):
     u = v0 + h * by_contacts * inverse_mass
     scale = 1.0 + np.abs(u).max() + h * (np.abs(by_contacts) * inverse_mass).max()
     braked = np.sign(u) * np.maximum(np.abs(u) - h * chain.bed, 0.0) if chain.on_bed else u
-    known = np.ones(chain.contacts + 1, dtype=bool)  # A coupler stores the force at the end, not the mean force.
+    # For a coupler, the state contains the force at the end of the step instead of the mean force.
+    known = np.ones(chain.contacts + 1, dtype=bool)
     for i, _ in chain.couplers:
         known[i : i + 2] = False
     assert v1[known] == pytest.approx(braked[known], abs=1e-10 * scale), seed
@@ -113,7 +114,7 @@ def check_step(chain, state, h, seed):
     for i in range(chain.contacts):
         if isinstance(chain.contact[i], Contact):
             check_contact(chain, i, before, state, h, seed)
-    # Check the energy balance. The bed absorbs the work of its friction.
+    # Check the energy balance. The bed absorbs the work of friction.
     work = 0.0 if push is None else 0.5 * h * float(push @ (v0 + v1))
     change, scale = state.energy(chain) - before.energy(chain), 1.0 + before.energy(chain) + abs(work)
     assert change + state.absorbed.sum() == pytest.approx(work, abs=1e-10 * scale), seed
@@ -125,7 +126,7 @@ def check_step(chain, state, h, seed):
 
 
 def check_contact(chain, i, before, state, h, seed):
-    """Check that the force is the mean force of the step, reduced by the loss while the contact unloads."""
+    """Check that the contact force is the mean force of the step. During unloading, the loss reduces the force."""
     d0, d1, force, energy = before.overlap[i], state.overlap[i], state.force[i], chain.contact[i].energy
     fall, size = energy(d1) - energy(d0), energy(d0) + energy(d1)
     kept = 1.0 - chain.contact[i].loss
@@ -170,15 +171,15 @@ def test_a_step_is_divided_when_a_contact_reverses():
     assert used > 0
     assert part == pytest.approx(0.5 / 0.6)
     taken(chain, state, 0.6)
-    # 0.5 s of loading, followed by unloading with a quarter of the force.
+    # The contact loads for 0.5 s. Then it unloads with a quarter of the force.
     assert state.velocity(chain)[0] == pytest.approx(-0.5 * 0.1, rel=1e-12)
     assert state.overlap[0] == pytest.approx(1.25 - 0.25 * 0.01, rel=1e-12)
     assert state.absorbed[0] == pytest.approx(0.75 * 2.0 * 0.0025, rel=1e-10)
 
 
 def test_round_off_and_small_overlaps_are_distinguished():
-    """Check a gear that is pressed at a wall by less than its preload: it stays there. A free gear returns the small
-    energy that it stores.
+    """Check two draft gears with small overlaps. A gear that is pressed on a wall by less than its preload stays at
+    rest. A gear without an external force returns the small energy that it stores.
     """
     gear = draft_gear(2.0, 0.4)
     pressed = Chain([1.0, math.inf], gear, drive=[0.1, 0.0], friction=1e-9)
@@ -198,7 +199,9 @@ def test_round_off_and_small_overlaps_are_distinguished():
 @pytest.mark.parametrize("loss", [0.0, 0.3])
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_a_chain_at_rest_under_a_push_is_found_so_at_once(friction, loss):
-    """Check that the solver has nothing to do if it starts from the forces at rest, whatever the masses are."""
+    """Check that the solver needs no iteration if it starts from the forces of the chain at rest. The masses must not
+    matter.
+    """
     law = hertz(50.0, loss=loss)
     chain = Chain([3.0, 0.2, math.inf], law, drive=[1.0, 2.0, 0.0], friction=friction)
     state = State.at_start(chain, [0.0, 0.0, 0.0])
@@ -211,7 +214,9 @@ def test_a_chain_at_rest_under_a_push_is_found_so_at_once(friction, loss):
 
 
 def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
-    """Check one attempt, the part until the last bead stops, and the rest. Each starts from the best known forces."""
+    """Check a step that is divided at an event. The step consists of one attempt, the part until the last bead stops,
+    and the rest. The solver starts each of them from the best known forces.
+    """
     chain = Chain([3.0, 0.2, 1.0, 1.0], power_law(50.0, 0.1), gap=[0.0, 0.0, 1.0], friction=0.1)
     one, other = (State.at_start(chain, [1.0, 1.0, 1.0, 0.05]) for _ in range(2))
     for state in (one, other):
@@ -228,19 +233,21 @@ def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
 
 @pytest.mark.parametrize("seed", range(80))
 def test_a_step_in_parts_keeps_the_ledger(seed):
-    """Check the energy balance of long steps of chains with friction and loss, divided at every event."""
+    """Check the energy balance of long steps that are divided at every event. The chains have friction and loss."""
     chain, state, h = random_chain(seed, True)
     energy = state.energy(chain)
     for _ in range(3):
-        assert 0 < taken(chain, state, h) < 200  # They take 163.
+        assert 0 < taken(chain, state, h) < 200  # The measured largest number of iterations is 163.
     if chain.drive_force is None:
         assert state.energy(chain) + state.absorbed.sum() == pytest.approx(energy, abs=1e-10 * (1.0 + energy))
 
 
 @pytest.mark.parametrize(("friction", "most", "wanted"), [(0.0, 100, 8), (0.0, 5, 5), (0.01, 100, 8), (0.2, 100, 6)])
 def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, wanted):
-    """Check two ends. At 1 m/s over 0.75 m with steps of 0.1 s, the contact closes in the eighth step. A brake of 0.2 g
-    stops the bead in the sixth.
+    """Check two events that end a step.
+
+    A bead moves at 1 m/s over a distance of 0.75 m with steps of 0.1 s. Its contact closes in the eighth step. If a
+    brake decelerates the bead by 0.2 g, it stops in the sixth step.
     """
     chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
     state = State.at_start(chain, [1.0, 0.0])
@@ -256,7 +263,9 @@ def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, wa
 
 @pytest.mark.parametrize("off", [-3.0, -0.01, 0.01, 3.0])
 def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
-    """Check sweeps with beads on a bed. A sweep visits the first constraint last, so that its residual is 0."""
+    """Check a sweep over the constraints of beads on a friction bed. The sweep visits the first constraint last, so the
+    residual of the first constraint must be 0.
+    """
     solve, seen = discrete_gradient.solve_contacts, []
 
     def swept(*given):
@@ -281,7 +290,9 @@ def test_a_sweep_solves_each_row_alone_from_either_side(off, monkeypatch):
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "conserving"])
 def test_a_user_defined_law_writes_no_flag_of_a_coupler(method):
-    """Without couplers the array of these flags is empty. Compiled code would write beyond its end."""
+    """Check that a user-defined law does not write coupler flags. The array of these flags is empty in a chain without
+    couplers, and compiled code would write beyond its end.
+    """
     own, built_in = (
         solve(Chain([1.0] * 3, law), [1.0, 0.0, 0.0], duration=0.5, method=method, step=0.05)
         for law in (OwnLaw(lambda overlap: 10.0 * overlap), hooke(10.0))

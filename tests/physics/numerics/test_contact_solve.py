@@ -1,5 +1,5 @@
-"""Tests of parts of the contact force solver: resolvents and mean forces of contacts and couplers, and the distance to
-the next breakpoint.
+"""Tests of parts of the contact force solver: the resolvents and mean forces of contacts and couplers, and the distance
+to the next breakpoint.
 """
 
 import numpy as np
@@ -25,8 +25,8 @@ STARTS = (0.0, 0.03, 0.2, -0.04, -SLACK, -0.3)
 
 
 def test_a_very_soft_contact_takes_any_push_without_a_guess():
-    """Check the guess of the overlap. If only the push of the contact were used, it would be 1e350 m, which overflows
-    in plain Python.
+    """Check the first guess of the overlap of a very soft contact. The overlap at which the contact alone balances the
+    push is 1e350 m. This number overflows in plain Python.
     """
     overlap, force, _ = resolvent(NO_GRAPHS, 0, 0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
     assert overlap + 1e-4 * force == pytest.approx(1.0, rel=1e-15)
@@ -43,8 +43,8 @@ def test_a_touching_contact_carries_pushes_but_no_pulls():
 @pytest.mark.parametrize("exponent", [0.1, 0.5, 1.0, 1.5, 3.0])
 @pytest.mark.parametrize("part", [0.0, 1e-9, -1e-9, 1e-6, 1e-3, -0.1])
 def test_the_mean_force_of_a_short_way_and_its_slope(part, exponent):
-    """Compare with the series. Over a distance x d, the force K d**a has the mean K d**a (1 + a x/2 + a (a-1) x²/6 +
-    ...).
+    """Compare the mean force with a series. Over a distance x d, the mean of the force K d**a is K d**a (1 + a x/2 + a
+    (a-1) x²/6 + ...).
     """
     start, stiffness = 0.3, 2.0
     force = stiffness * start**exponent
@@ -58,8 +58,8 @@ def test_the_mean_force_of_a_short_way_and_its_slope(part, exponent):
 @pytest.mark.parametrize("up", [True, False])
 @pytest.mark.parametrize("resting", [0.0, 3.0])
 def test_the_distance_to_the_next_event_is_exact(up, resting):
-    """Check the distance to the next event. Forces of 2 N to 5 N hold the contact. Beads on beds of 1 and 4 m/s² can
-    slip first.
+    """Check the distance to the next event of a held contact. The contact yields outside the range of 2 N to 5 N. The
+    beads are on friction beds of 1 and 4 m/s² and can slip earlier.
     """
     h, weight, s = 0.1, 0.02, resting * 0.02 + 0.05 * 0.6
     mass, bed, free = np.array([2.0, 0.5]), np.array([1.0, 4.0]), np.array([0.04, -0.1])
@@ -71,7 +71,7 @@ def test_the_distance_to_the_next_event_is_exact(up, resting):
     chain = ChainData(law, 1.0 / mass, NOTHING, NOTHING, 0, dissipation=Dissipation(np.zeros(1), bed))
     found = distance_to_bend(h, 0, chain, 0.6, up, beads, work)
     by_contact = weight * (5.0 - resting if up else resting - 2.0)
-    turn = 1.0 if up else -1.0  # More force brakes the left bead and drives the right one.
+    turn = 1.0 if up else -1.0  # A larger force brakes the left bead and accelerates the right bead.
     by_beads = weight * (h * bed + turn * free * [1.0, -1.0]) * mass / h
     assert found == pytest.approx(turn * max(min(by_contact, *by_beads), 0.0), rel=1e-8, abs=1e-15)
 
@@ -84,8 +84,8 @@ def graph(request):
 
 @pytest.mark.parametrize("start", STARTS)
 def test_the_mean_force_times_the_distance_is_the_work(graph, start):
-    """Check the work. While a coupler is pushed in, pushing parts store all work and pulling parts return it reduced by
-    their loss. Outward it is the other way round.
+    """Check the work of a coupler. While the coupler is pushed in, the pushing parts store all of the work. The pulling
+    parts return the work reduced by their loss. While the coupler is pulled out, the roles are exchanged.
     """
     for moved in (0.01, 0.3, -0.02, -0.5):
         force, _ = graph_mean(graph, 0, start, moved, moved > 0.0)
@@ -94,7 +94,7 @@ def test_the_mean_force_times_the_distance_is_the_work(graph, start):
     for side in (1.0, -1.0):
         force, slope = graph_mean(graph, 0, start, 0.0, side > 0.0)
         assert slope >= 0.0
-        if start not in (0.0, -SLACK):  # At the beginning of a preload, the force depends on the direction.
+        if start not in (0.0, -SLACK):  # At the overlap at which a preload begins, the force depends on the direction.
             assert force == pytest.approx(graph_force(graph, 0, start, 0.0, side > 0.0), rel=1e-12)
 
 

@@ -1,5 +1,5 @@
-"""Tests of our powers, exponentials, logarithms and matrices: errors, special values, and the same digits on every
-machine.
+"""Tests of the project's own powers, exponentials, logarithms and matrices. The tests check errors and special values.
+The results must be bitwise equal on every machine.
 """
 
 import math
@@ -30,7 +30,8 @@ def either_sign(low, high):
     return lambda draw: draw.choice((-1.0, 1.0), COUNT) * sizes(low, high)(draw)
 
 
-FUNCTIONS = {  # Kernel, exact function, arguments, and allowed error in units of the last place.
+# Each entry contains a kernel, the exact function, arguments, and the allowed error in units of the last place.
+FUNCTIONS = {
     "exp": (elementary.exp, Decimal.exp, [within(-690.0, 690.0)], 0.51),
     "expm1": (elementary.expm1, lambda x: x.exp() - 1, [within(-2.0, 2.0)], 1.55),
     "expm1 of small numbers": (elementary.expm1, lambda x: x.exp() - 1, [either_sign(-12.0, -2.0)], 1.55),

@@ -1,5 +1,5 @@
-"""Tests of the disk cache of compiled kernels: keyed by their sources, never stale, and with the digits of plain
-Python.
+"""Tests of the disk cache of compiled kernels. The sources of a kernel are its key in the cache. A cached kernel must
+never be outdated, and it must give bitwise the same results as plain Python.
 """
 
 import os
@@ -17,7 +17,7 @@ from tests.helpers.paths import ROOT
 
 PHYSICS = ROOT / "physics"
 
-# Print the bytes of a short run of every fixed-step method.
+# This program prints the bytes of the results of a short run with every fixed-step method.
 DIGITS = """
 from softcradle import Chain, draft_gear, hertz, hooke, power_law, simulate
 chain = Chain([1, 2, 0.5, 1, 3], [power_law(1, 0.1), hertz(2.0), draft_gear(3, 0.1), hooke(4.0)], [0, 0.01, 0, 0])
@@ -60,8 +60,8 @@ def test_without_numba_the_same_functions_run(tmp_path):
 
 
 def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
-    """Double a power in a copy of the package that shares the cache with the compiled originals. The mean force must
-    double.
+    """Check that an edited contact law is compiled again. The test doubles a power in a copy of the package that shares
+    the cache with the compiled originals. The mean force must double.
     """
     pytest.importorskip("numba")
     home = tmp_path / "house"
@@ -70,7 +70,7 @@ def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     before = float(run(ONE_FORCE, home, **cache))
     (written,) = (tmp_path / "cache" / "kernels").iterdir()
-    assert list(written.rglob("*.nbi"))  # The kernel was really cached.
+    assert list(written.rglob("*.nbi"))  # The kernel has been written to the cache.
 
     law = home / "physics" / "numerics" / "law_kernels.py"
     times = law.stat()
@@ -78,7 +78,7 @@ def test_an_edited_law_is_never_served_from_a_stale_cache(tmp_path):
     line = "return preload + stiffness * power(overlap, exponent)\n"
     assert text.count(line) == 1
     law.write_text(text.replace(line, line.replace("stiffness", "2.0 * stiffness")))
-    # The time of the file stays the same, so the cache cannot use it to detect the edit.
+    # The modification time of the file stays the same, so the cache cannot use it to detect the edit.
     os.utime(law, (times.st_atime, times.st_mtime))
     shutil.rmtree(law.parent / "__pycache__", ignore_errors=True)
     assert float(run(ONE_FORCE, home, **cache)) == 2.0 * before
@@ -94,8 +94,8 @@ def test_compiling_leaves_other_users_of_numba_alone():
 
 @pytest.mark.skipif(not COMPILED, reason="machine code of numba")
 def test_functions_of_a_whole_kernel_are_private():
-    """Check that called functions are private. LLVM inlines a private function that is called once, whatever its size.
-    This saves a quarter of the time of steps.
+    """Check that functions called by a kernel are private. LLVM inlines a private function that is called only once,
+    whatever its size. This saves a quarter of the computing time of steps.
     """
     from numba import njit
     from softcradle.physics.numerics.jit import _Optimized, _Whole
@@ -117,8 +117,8 @@ def test_functions_of_a_whole_kernel_are_private():
 
 @pytest.mark.parametrize("order", ["adaptive fixed_step", pytest.param("fixed_step adaptive", marks=pytest.mark.slow)])
 def test_kernels_of_all_rooms_live_side_by_side(order):
-    """Load the kernels of two folders in both orders. Kernels that were loaded later called functions of the others,
-    with other arguments.
+    """Load the kernels of two folders in both orders. In an earlier version, kernels that were loaded later called
+    functions of the other folder with different arguments.
     """
     code = "from importlib import import_module\n"
     for room in order.split():

@@ -1,4 +1,6 @@
-"""Tests of the curve of a contact law for implicit steps: values, slopes, and Newton's moves along the curve."""
+"""Tests of the curve of a contact law in implicit steps. The tests check values, slopes, and the moves of Newton's
+method along the curve.
+"""
 
 import math
 from itertools import product
@@ -19,7 +21,7 @@ LAWS = list(product((0.0, 0.3, 2.0), (1.0, 40.0), (1 / 30, 0.1, 0.5, 1.0, 1.5, 2
 
 
 def move_along(preload, stiffness, exponent, *moves):
-    """Return the result of a move on the curve of one power law."""
+    """Return the overlap and the force after a move along the curve of a power law."""
     return law_curve.move_along(np.array([[preload, stiffness, exponent]]), NO_GRAPHS, 0, *moves)
 
 
@@ -53,8 +55,8 @@ def test_the_weight_of_an_error():
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
 def test_newton_reaches_the_one_point_whatever_it_begins_from(law):
-    """Solve d + weight f = s with moves like those of radau. Each move must stay on the curve, and few moves must be
-    enough.
+    """Solve d + weight f = s with the moves that the method radau uses. Each move must stay on the curve, and few moves
+    must be enough.
     """
     exponent = law[2]
     for weight in (1e-6, 1e-2, 1.0, 1e3):
@@ -67,7 +69,7 @@ def test_newton_reaches_the_one_point_whatever_it_begins_from(law):
 
 
 def newton(law, weight, s, overlap):
-    """Return the overlap that Newton's moves reach, and their number."""
+    """Return the overlap that Newton's method reaches, and the number of its moves."""
     force = signed_force(*law, overlap)
     for move in range(200):
         lacks = s - overlap - weight * force
@@ -83,25 +85,29 @@ def newton(law, weight, s, overlap):
 
 
 SOFT, GEAR = (0.0, 2.0, 0.5), (1.0, 2.0, 0.5)
-VERTICAL = 1e-295  # Overlap [m] so small that the curve is vertical there.
-SMALL = 2.0 * math.sqrt(1e-5)  # Force [N] of SOFT at 1e-5 m.
-# Law, weight, overlap, changes of overlap and force that Newton's method asks for, and the overlap after the move.
+VERTICAL = 1e-295  # Overlap [m]. It is so small that the curve is vertical at this overlap.
+SMALL = 2.0 * math.sqrt(1e-5)  # Force [N] of the law SOFT at the overlap 1e-5 m.
+# Each entry contains a law, a weight, an overlap, and the changes of overlap and force that Newton's method requests.
+# The last number is the overlap after the move.
 MOVED = [
-    # Toward 0 by the force: a soft contact gets the overlap of the requested force. A negative force opens it.
+    # Moves toward overlap 0 that are determined by the requested force. A soft contact gets the overlap that belongs to
+    # this force. A negative force opens the contact.
     (SOFT, 1.0, 0.25, -0.1, -0.4, 0.09), (GEAR, 3.0, 0.25, -0.1, -0.4, 0.09), (GEAR, 1e-9, 0.25, -0.3, -1.4, -0.04),
     (SOFT, 1.0, 0.25, -0.5, -1.0, -0.25), (SOFT, 1.0, 0.25, -0.5, -2.0, -0.25), (SOFT, 1.0, 0.25, -0.1, -2.0, -SMALLEST),
     (GEAR, 1e-9, 0.25, -0.3, -1.0, 0.0), (SOFT, 1.0, 0.0, 0.0, 1.0, 0.25), (SOFT, 1.0, VERTICAL, 0.0, 1.0, 0.25),
     ((0.0, 2.0, 1.5), 1.0, 1.0, -0.75, -5.0, 0.25),
-    # Away from 0 by the overlap, or by a small force.
+    # Moves away from overlap 0 that are determined by the requested overlap, or by a small force.
     (SOFT, 1e-3, 1.0, 1.25, 1.25, 2.25), ((0.0, 2.0, 0.1), 1.0, 1e-20, 1e-19, 0.02, 0.02**10),
-    # Contacts whose overlap is small compared with weight times force, the distance by which the force moves the beads.
+    # Contacts whose overlap is small compared with weight times force. This product is the distance by which the force
+    # moves the beads.
     (SOFT, 100.0, 1e-4, 2e-4, 0.02, 4e-4),
     (SOFT, 0.01, 1e-5, 2e-5 * (0.04 / SMALL - 1.0), 0.04 - SMALL, 2e-5 * 0.04 / SMALL - 1e-5),
-    # By the overlap in both directions if the contact is not soft. Newton's method does not overshoot there.
+    # Moves in both directions that are determined by the requested overlap, because the contact is not soft. Newton's
+    # method does not overshoot on such a curve.
     ((0.0, 5.0, 1.5), 1e3, 0.01, 1.0, 0.75, 1.01), ((0.0, 5.0, 2.0), 1e3, 0.01, 1.0, 0.75, 1.01),
     ((1.0, 2.0, 1.5), 0.01, 1.0, -0.98, -1.0, 0.02), ((1.0, 2.0, 2.0), 0.01, 1.0, -0.98, -1.0, 0.02),
-    # Far beyond the solution, up to its bound: d + weight f has the value that the move gives, and one of the two terms
-    # takes all of it.
+    # Moves far beyond the solution are limited. After the limited move, d + weight f has the value that the move
+    # requests. One of the two terms accounts for the whole value.
     (GEAR, 0.01, 4.0, -3.999, -1.0, 4.04 - 1.005 * 3.999), (GEAR, 0.9, 4.0, -3.9, -1.0, ((7.6 - 1.45 * 3.9) / 1.8) ** 2),
 ]  # fmt: skip
 
@@ -115,7 +121,9 @@ def test_a_move_stays_on_the_curve(law, weight, overlap, by_overlap, by_force, w
 @pytest.mark.parametrize("exponent", [0.02, 0.1, 0.5, 0.99])
 @pytest.mark.parametrize("part", [-4.99e-4, -1e-6, 1e-9, 4.99e-4])
 def test_a_short_move_of_a_soft_contact_needs_no_power(exponent, part):
-    """Check that the series of the growth equals the law to the last digits, so that the contact stays on its curve."""
+    """Check a short move of a soft contact, which is computed from a series. The series must equal the contact law to
+    the last digits, so the contact stays on its curve.
+    """
     law, overlap = (0.0, 2.0, exponent), 3e-7
     force = signed_force(*law, overlap)
     moved, pushes = move_along(*law, 1.0, overlap, force, part * overlap, exponent * part * force)
@@ -131,8 +139,8 @@ def test_forces_flow_as_the_matrix_of_the_chain_says():
 
 
 def test_nodes_and_cubic():
-    """Check that quadrature at Radau's nodes is exact up to the fourth power, and that the cubic passes through its
-    given values.
+    """Check that quadrature at Radau's nodes is exact up to the fourth power. Also check that the cubic polynomial
+    passes through its given values.
     """
     weights = np.linalg.solve(np.vander(NODES, increasing=True).T, [1.0, 1.0 / 2.0, 1.0 / 3.0])
     assert weights @ NODES**3 == pytest.approx(1.0 / 4.0)
@@ -146,7 +154,7 @@ POWERS = [(0.0, 2.0, 0.5), (1.0, 2.0, 0.5), (0.0, 3.0, 1.0), (0.0, 5.0, 1.5), (0
 
 
 def with_its_table(law):
-    """Return a power law as a row, and as the tables of a user-defined law."""
+    """Return the parameters of a power law and the table of the same law as a user-defined law."""
     preload, stiffness, exponent = law
     chain = Chain([1.0] * 3, [Contact(9.0, 0.0, 1.0), OwnLaw(lambda overlap: preload + stiffness * overlap**exponent)])
     return np.array([[9.0, 0.0, 1.0], law]), graphs_of(chain, State.at_start(chain, [0.0] * 3))
@@ -204,12 +212,13 @@ def test_the_segments_of_a_coupler_are_its_graph(push):
                 low, high = (law_curve.curve_force(row, graph, 0, side * way + nudge) for nudge in (-1e-6, 1e-6))
                 slope = law_curve.curve_slope(row, graph, 0, side * way, force)
                 assert slope == pytest.approx(0.5e6 * (high - low), rel=1e-6)
-        if not before:  # The segment is an odd function beyond its origin. There, only the stop has a slope.
+        if not before:  # Beyond its origin the segment is an odd function. In this part only the stop has a slope.
             both = law_curve.curve_force(row, graph, 0, 0.2) + law_curve.curve_force(row, graph, 0, -0.2)
             assert both == pytest.approx(2.0 * side * preload)
             assert law_curve.curve_force(row, graph, 0, 0.0) == side * preload
             assert law_curve.segment_slope(row, 0, 0.0) == (stiffness if exponent == 1.0 else 0.0) + stop
-    soft = np.array([[0.0, 2.0, 0.5, 0.0, 0.0, -1.0]])  # Without a preload the segment is open beyond its origin.
+    # Without a preload, the contact is open beyond the origin of the segment.
+    soft = np.array([[0.0, 2.0, 0.5, 0.0, 0.0, -1.0]])
     assert [law_curve.curve_force(soft, graph, 0, way) for way in (0.25, -0.25)] == [0.0, -1.0]
 
 

@@ -1,4 +1,4 @@
-"""Tests of the sine, cosine and arc tangent of beads on strings, and of the time of their next contact."""
+"""Tests of the sine, cosine and arc tangent for beads on strings, and of the time at which two such beads next meet."""
 
 import math
 
@@ -14,7 +14,7 @@ DRAW = np.random.default_rng(7)
 
 
 def units(found: float, true: float) -> float:
-    """Return an error in units of the last place. The C library is accurate to about half a unit."""
+    """Return an error in units of the last place. The functions of the C library are accurate to about half a unit."""
     return abs(found - true) / math.ulp(true)
 
 

@@ -1,5 +1,5 @@
-"""Tests of blows in a Space: steps that are too long, bodies that pass through each other, and contacts with loss at
-rest.
+"""Tests of collisions in a pymunk Space. The tests cover steps that are too long, bodies that pass through each other,
+and contacts with loss at rest.
 """
 
 import copy
@@ -20,7 +20,7 @@ from benchmarks import soft_chains
 from tests.helpers.spaces import FRAME, chain_row, run
 
 pytestmark = pytest.mark.filterwarnings("default::RuntimeWarning")
-MASS, BALL = math.pi * 20.0**2, 20.0  # A ball with a radius of 20 pixels and density 1: mass [kg] and radius [m].
+MASS, BALL = math.pi * 20.0**2, 20.0  # Mass [kg] and radius [m] of a ball with a radius of 20 pixels and density 1.
 EVERY_LAW = [
     hertz(1e4),
     hooke(1e4),
@@ -100,7 +100,7 @@ def test_a_chain_whose_body_has_no_mass_yet_has_no_substeps():
 
 
 def test_recommended_substeps_keep_the_velocity_error():
-    """Run the random scan: rows in which every contact closes once, elastic and with loss."""
+    """Simulate random chains in which every contact closes once, with and without loss."""
     for allowed, seeds in ((VISIBLE_ERROR, range(60)), (0.01, range(20))):
         found = soft_chains.errors(seeds, allowed)
         assert len(found) >= len(seeds) / 4
@@ -123,7 +123,9 @@ def cradle_on_strings(law, rate, angle=math.pi / 6, string=0.25, pitch=0.0408, m
 
 @pytest.mark.parametrize("e", [1.0, 0.8])
 def test_substeps_make_a_cradle_with_loss_accurate(e):
-    """Compare with the exact speed of the last ball, v0 ((1 + e) / 2)**4 with v0 = sqrt(2 g L (1 - cos 30°))."""
+    """Compare the speed of the last ball with its exact value v0 ((1 + e) / 2)**4, where v0 = sqrt(2 g L (1 - cos
+    30°)).
+    """
     law = hooke(1e5, loss=1.0 - e * e)
     v0 = math.sqrt(2.0 * 9.81 * 0.25 * (1.0 - math.cos(math.pi / 6.0)))
     right = v0 * ((1.0 + e) / 2.0) ** 4
@@ -136,13 +138,13 @@ def test_substeps_make_a_cradle_with_loss_accurate(e):
     assert fastest == pytest.approx(right, abs=VISIBLE_ERROR * v0)
 
 
-# Blows that are too hard for the touching distance.
+# In the following tests, the contact is too soft for the collision. The overlap would exceed the touching distance.
 
 PIXEL_LAWS = [hertz(1e3), hertz(1e4), hooke(1e4), power_law(1e5, 0.5), Contact(1e3, 1e3, 2.0), step_force(1e5)]
 
 
 def pixel_row(law, kind, balls=2, speed=377.0, native=None, mass=MASS):
-    """Return a row of balls of 20 pixels with a moving first ball, and the number of steps per frame."""
+    """Return a chain of balls with a radius of 20 pixels and the number of steps per frame. The first ball moves."""
     space = pymunk.Space()
     bodies = [pymunk.Body(mass * (1.0 + 0.3 * i), math.inf) for i in range(balls)]
     for i, body in enumerate(bodies):
@@ -157,7 +159,7 @@ def pixel_row(law, kind, balls=2, speed=377.0, native=None, mass=MASS):
 
 
 def stiffer(law, sentence):
-    """Return the law that the warning recommends."""
+    """Return the contact law that a warning recommends."""
     if found := re.search(r"hold with preload=(\S+), stiffness=(\S+)\. ", sentence):
         return Contact(float(found[1]), float(found[2]), law.exponent, law.loss)
     return Contact(0.0, float(re.search(r"hold with a stiffness of (\S+)\. ", sentence)[1]), law.exponent, law.loss)
@@ -223,7 +225,7 @@ def test_the_warning_for_a_user_defined_law_names_the_missing_force():
 
 
 def test_a_ball_that_falls_through_the_floor_is_named():
-    """Drop a ball whose weight no overlap can carry."""
+    """Drop a ball that is too heavy for its contact. No overlap gives a force as large as its weight."""
     for kind in ("chain", "contact"):
         space, ball, floor = pymunk.Space(), pymunk.Body(10.0, math.inf), pymunk.Body(body_type=pymunk.Body.STATIC)
         space.gravity, ball.position = (0.0, -900.0), (0.0, 25.0)
@@ -259,7 +261,7 @@ def test_a_pass_within_one_step_asks_for_shorter_steps():
 
 def test_glancing_blows_and_moved_bodies_give_no_warning():
     space, bodies, _ = chain_row(hooke(1e3), beads=3, speed=0.0)
-    # The user moves the body to the other side of its neighbour and back.
+    # The user moves the body to the other side of its neighbour and back again.
     for place in ((5.0, 0.0), (-3.0, 0.2), (0.0, 0.0)):
         bodies[0].position = place
         assert warned(space, 1e-3, 20) == []
@@ -279,7 +281,7 @@ def test_glancing_blows_and_moved_bodies_give_no_warning():
         assert a.position.x > b.position.x, "soft balls may glide past each other"
 
 
-# Contacts with loss at rest.
+# The following tests check contacts with loss at rest.
 
 
 @pytest.mark.parametrize(
@@ -300,7 +302,7 @@ def test_a_lossy_contact_at_rest_carries_the_weight(law, rate):
     assert abs(box.velocity.x) < 1e-12
     assert law.force(contact.overlap) * (1.0 - law.loss) - 1e-9 <= 30.0 <= law.force(contact.overlap) + 1e-9
     held = contact.overlap
-    # Within the loss, the contact carries another load at the same overlap.
+    # Within the range given by the loss, the contact carries a different load at the same overlap.
     load = (1.0 - 0.5 * law.loss) * law.force(held)
     space.gravity = 0.5 * load, 0.0
     run(space, 1 / rate, rate)
@@ -358,7 +360,7 @@ def test_copies_of_a_lossy_contact_move_alike(duplicate):
         ]
 
 
-# Mistakes of users.
+# The following tests check mistakes of users.
 
 
 def test_contacts_whose_bodies_are_not_in_the_space_are_named():
@@ -403,7 +405,9 @@ def test_contacts_refuse_to_step_back_in_time():
 
 
 def test_no_compiled_callback_is_lost_to_deep_contacts():
-    """Check that a deep contact without a pass-through has the same digits with the compiled and the Python callback."""
+    """Check a contact with a large overlap in which the balls do not pass through each other. The compiled callback
+    must give bitwise the same results as the Python callback.
+    """
     if reason := compiled_force.unavailable():
         pytest.skip(reason)
     ends = []

@@ -1,5 +1,5 @@
-"""Tests of SoftContact in a Space: forces, geometry, errors, copies, and compiled callbacks with the digits of Python
-callbacks.
+"""Tests of SoftContact in a pymunk Space: forces, geometry, error messages and copies. Compiled callbacks must give
+bitwise the same results as Python callbacks.
 """
 
 import copy
@@ -27,11 +27,14 @@ def test_one_step_gives_the_impulse_of_the_law(law, native):
 
 
 def test_anchors_turn_with_their_bodies():
-    """Check the ends of two turned rods. The push acts along the line between the anchors and turns the bodies."""
+    """Check a contact between the ends of two rotated rods. The force must act along the line between the anchors and
+    turn the bodies.
+    """
     space = pymunk.Space()
     a, b = pymunk.Body(1.0, 2.0), pymunk.Body(1.0, 2.0)
     a.angle, b.angle, b.position = math.pi / 2, math.pi, (1.0, 1.4)
-    contact = SoftContact(a, b, (1.0, 0.0), (1.0, 0.0), 0.5, hooke(10.0))  # The ends are at (0, 1) and (0, 1.4).
+    # The ends of the rods are at (0, 1) and (0, 1.4).
+    contact = SoftContact(a, b, (1.0, 0.0), (1.0, 0.0), 0.5, hooke(10.0))
     space.add(a, b, contact)
     assert contact.overlap == pytest.approx(0.1)
     space.step(1e-6)
@@ -126,7 +129,9 @@ def test_bad_contacts_and_distances_leave_the_old_ones():
 
 @pytest.mark.parametrize("collide", [False, True])
 def test_it_replaces_the_collision_of_shapes(collide):
-    """Check that only the contact pushes overlapping discs, unless the user also wants collisions of shapes."""
+    """Check that only the contact pushes overlapping discs apart. The shapes must collide as well only if the user
+    requests it.
+    """
     space, bodies, contact = pair(0.75, hooke(1e-6))
     assert not contact.collide_bodies
     contact.collide_bodies = collide
@@ -164,10 +169,10 @@ def test_a_contact_with_loss():
 
 
 def test_another_memory_layout_is_noticed(monkeypatch):
-    """Simulate another content of the memory slot of pymunk. The compiled callback is not used, and the contact still
-    works.
+    """Check a version of pymunk with a different memory layout, which the test imitates. The compiled callback must not
+    be used, and the contact must still work.
     """
-    # This version is not cached.
+    # Call the function without its cache.
     monkeypatch.setattr(compiled_force, "_callback", compiled_force._callback.__wrapped__)
     monkeypatch.setattr(compiled_force, "LAW_SLOT", 17)
     with pytest.raises(RuntimeError, match=r"no compiled callback .* another way; native=None"):

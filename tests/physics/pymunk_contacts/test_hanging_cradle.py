@@ -1,4 +1,4 @@
-"""Tests of the example of a cradle in a pymunk Space."""
+"""Tests of the example that simulates Newton's cradle in a pymunk Space."""
 
 import math
 
@@ -9,7 +9,7 @@ from examples.hanging_cradle import ANGLE, GRAVITY, LAWS, MASS, STRING, Cradle
 
 
 def swung(law: str) -> tuple[list[float], float, Cradle]:
-    """Return how far the balls have swung out after the first blow, the energy at the start, and the cradle."""
+    """Return the largest displacements of the balls after the first collision, the energy at the start, and the cradle."""
     cradle = Cradle(LAWS[law])
     first = cradle.energy()
     cradle.run(62)

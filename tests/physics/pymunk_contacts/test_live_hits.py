@@ -1,4 +1,6 @@
-"""Tests of the hits of SoftChain and SoftContact: balances of momentum and energy, and the table of Trajectory.hits."""
+"""Tests of the hits that SoftChain and SoftContact report. The tests check momentum and energy and compare the hits
+with the table of Trajectory.hits.
+"""
 
 import copy
 
@@ -18,7 +20,7 @@ LOSSY = [hertz(200.0, loss=0.36), draft_gear(40.0, 0.02, loss=0.5), power_law(2.
 def test_hits_of_a_chain_are_those_of_the_trajectory(law):
     space, bodies, chain = chain_row(law, gap=[0.1, 0.2, 0.15], beads=4)
     masses = [body.mass for body in bodies]
-    assert chain.hits().size == 0  # The first call begins the log.
+    assert chain.hits().size == 0  # The first call starts the log of hits.
     run(space, step=1e-3, count=3000)
     table = chain.hits()
     exact = hits(simulate(Chain(masses, law, gap=[0.1, 0.2, 0.15]), [1.0, 0.0, 0.0, 0.0], 3.0, samples=2))
@@ -44,7 +46,7 @@ def test_only_large_hits_since_the_last_call():
     space, _, chain = chain_row(hertz(500.0), gap=[0.1, 0.3], beads=3, masses=[1.0, 1.0, 0.1])
     chain.hits()
     run(space, count=150)
-    assert len(chain.hits()) == 0  # The first hit lasts.
+    assert len(chain.hits()) == 0  # The first hit has not ended yet.
     run(space, count=200)
     assert chain.hits()["contact"].tolist() == [0]
     run(space, count=300)

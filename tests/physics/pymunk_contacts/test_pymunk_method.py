@@ -1,4 +1,6 @@
-"""Tests of method `pymunk`: with bodies in a Space it has the same digits, steps and contact changes as `euler`."""
+"""Tests of the method `pymunk`, which simulates bodies in a pymunk Space. Results, steps and contact changes must be
+bitwise equal to those of the method `euler`.
+"""
 
 import math
 
@@ -10,7 +12,8 @@ from softcradle.physics.status import Status
 
 from tests.helpers.motions import CASES, runs, solved
 
-# Motions in which round-off decides which contacts touch, or which need no evaluation.
+# Motions for which the two methods may differ. Either round-off decides which contacts touch, or the motion needs no
+# evaluation.
 UNLIKE_EULER = ("gears on straws", "step forces", "a ball that bounces to rest", "held by friction")
 
 
@@ -32,7 +35,7 @@ def same_as_euler(euler, pymunk):
     np.testing.assert_allclose(pymunk.force, euler.force, rtol=0, atol=1e-10 * euler.force.max())
     assert (pymunk.steps, pymunk.evaluations) == (euler.steps, euler.evaluations)
     for ours, theirs in zip(pymunk.contact_intervals, euler.contact_intervals, strict=True):
-        # The closing time of a contact that closes at speed 0 is not sharp.
+        # If a contact closes at speed 0, its closing time is not sharply defined.
         np.testing.assert_allclose(ours, theirs, atol=0.05)
         np.testing.assert_allclose([end for _, end in ours], [end for _, end in theirs], atol=1e-6)
 
@@ -42,13 +45,13 @@ def both(chain, velocity, **options):
 
 
 def test_touching_distance_fits_the_speed():
-    """Check overlaps of 1e3 m. The distance of the anchors must always be larger."""
+    """Check overlaps of 1e3 m. The distance of the anchors at first contact must always be larger than the overlap."""
     euler, pymunk = both(one_on(2, hertz(1.0)), [1e3, 0, 0])
     np.testing.assert_allclose(pymunk.velocity, euler.velocity, rtol=0, atol=1e-9)
 
 
 def test_anchors_move_apart_under_deep_overlaps():
-    """Let two walls approach. The overlaps grow to a hundred times their initial values."""
+    """Check two walls that approach each other until the overlaps are a hundred times their initial values."""
     euler, pymunk = both(Chain([math.inf, 1.0, math.inf], hertz(100.0)), [1.0, 0.0, -1.0], duration=30.0, step=1e-3)
     assert euler.overlap[-1].max() > 25.0
     np.testing.assert_allclose(pymunk.overlap, euler.overlap, rtol=0, atol=1e-8)
@@ -62,7 +65,7 @@ def test_it_gives_up_after_the_steps_that_it_may_take():
 
 
 def test_a_time_that_has_no_digits_below_a_step_ends():
-    """Check a run in which a billionth of a step is smaller than the last digit of the time."""
+    """Check that a run ends if a billionth of a step is smaller than the last digit of the time."""
     found = simulate(one_on(1, hooke(1.0)), [1.0, 0.0], 1e6, "pymunk", step=0.02, samples=3)
     assert found.time.tolist() == [0.0, 5e5, 1e6]
     assert found.final_velocity == pytest.approx([0.0, 1.0], abs=1e-3)

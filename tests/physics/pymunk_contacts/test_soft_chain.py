@@ -1,5 +1,5 @@
-"""Tests of SoftChain in a Space: energy and momentum at 60 steps per second, with all contacts and with changes by the
-user.
+"""Tests of SoftChain in a pymunk Space. Energy and momentum must be conserved at 60 steps per second, with all contact
+laws and after changes by the user.
 """
 
 import copy
@@ -24,8 +24,8 @@ LAW = hertz(100.0)
 @pytest.mark.parametrize("gap", [0.0, 0.3])
 @pytest.mark.parametrize("law", [*LAWS, power_law(1.0, 1 / 14), hertz(1e6), hooke(1e9)], ids=str)
 def test_a_collision_at_frame_rate_conserves_energy_and_momentum(law, gap):
-    """Check energy and momentum. After a flight, the positions x = X + (step/2) V of the bodies give the energy in the
-    contacts.
+    """Check energy and momentum during a collision after a flight. The energy in the contacts is computed from the
+    positions x = X + (step/2) V, where X and V are the positions and velocities of the bodies.
     """
     space, bodies, chain = chain_row(law, gap)
     largest = 0.0
@@ -43,11 +43,11 @@ def test_a_collision_at_frame_rate_conserves_energy_and_momentum(law, gap):
 
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), power_law(1.0, 1 / 30), hertz(20.0), step_force(1.0)], ids=str)
 def test_moves_as_method_conserving(law):
-    """Compare a chain of bodies with method conserving, including overlaps that are smaller than the resolution of
+    """Compare a chain of bodies with the method conserving. Some overlaps are smaller than the resolution of the
     positions.
     """
     step = 0.01
-    read_out = 0.5 * step  # Positions of bodies are half a step behind their velocities.
+    read_out = 0.5 * step  # The positions of the bodies are half a step behind their velocities.
     space, bodies, chain = chain_row(law, gap=0.3 + read_out, beads=8, masses=[1.0] * 8)
     model = Chain([1.0] * 8, law, [0.3, 0, 0, 0, 0, 0, 0])
     expected = simulate(model, [1.0] + [0.0] * 7, 1.5, "conserving", step, samples=step * np.arange(1, 151))
@@ -62,8 +62,8 @@ def test_moves_as_method_conserving(law):
 
 @pytest.mark.parametrize("law", [hooke(100.0), hertz(1e5), power_law(1.0, 0.1)], ids=str)
 def test_a_bent_row(law):
-    """Check a row with a bend of 20 degrees at every body. The cosine couples the forces. Turning lines cause an error
-    of second order in the step.
+    """Check a chain that bends by 20 degrees at every body. The cosine of this angle couples the forces. The lines
+    between the bodies turn, which causes an error of second order in the step.
     """
     lost = []
     for parts in (1, 10):
@@ -81,7 +81,7 @@ def test_a_bent_row(law):
 
 
 def test_a_wall_that_moves():
-    """Drive the row with a kinematic body. Bodies leave an elastic wall of speed u with 2 u."""
+    """Check a chain that a kinematic body pushes. Bodies must leave an elastic wall of speed u at the speed 2 u."""
     space, bodies, chain = chain_row(hertz(1e5), beads=2, masses=[math.inf, 1.0], gap=0.5)
     run(space, FRAME, 120)
     assert bodies[0].velocity.x == 1.0
@@ -106,7 +106,9 @@ def test_a_column_bounces_without_loss_under_gravity(law):
 @pytest.mark.parametrize("step", [1 / 480, 1 / 120, 1 / 30])
 @pytest.mark.parametrize("loss", [0.3, 0.75])
 def test_a_column_that_loses_comes_to_rest(loss, step):
-    """Check that bounces shorter than a step lose energy. Otherwise the bodies would reverse with each step, forever."""
+    """Check that bounces which are shorter than a step lose energy. Otherwise the bodies would reverse at each step
+    forever.
+    """
     law = Contact(200.0, 1e4, 1.0, loss)
     space, bodies, chain = chain_row(law, beads=4, direction=(0, 1), masses=[math.inf, 1, 1.3, 1.6], speed=0)
     space.gravity, bodies[3].velocity = (0.0, -10.0), (0.0, -1.0)
@@ -139,7 +141,9 @@ def assert_energy_stays(space, bodies, chain, energy=0.5, frames=300):
 @pytest.mark.parametrize("sleeps", [False, True])
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e4, 0.02)], ids=str)
 def test_a_velocity_set_between_steps_adds_only_its_energy(law, sleeps):
-    """Check that a set velocity moves no body and so presses no contact, however stiff. It wakes a sleeping row."""
+    """Check that setting a velocity moves no body. It must not compress any contact, however stiff the contact is. It
+    must wake a sleeping chain.
+    """
     space, bodies, chain = chain_row(law, speed=0.0)
     space.sleep_time_threshold = 0.2 if sleeps else math.inf
     run(space, FRAME, 60)
@@ -175,7 +179,9 @@ def test_bodies_at_one_place_do_not_push_until_they_are_moved(law):
 
 
 def test_overlaps_follow_bodies_whose_positions_are_set():
-    """Move a body a little in every step. The overlaps that the chain sums up must agree with the positions."""
+    """Check a body that is moved a little before every step. The chain accumulates the overlaps, and they must agree
+    with the positions.
+    """
     space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
     for _ in range(200):
         space.step(FRAME)
@@ -187,7 +193,9 @@ def test_overlaps_follow_bodies_whose_positions_are_set():
 
 @pytest.mark.parametrize("law", [hertz(1e4), hooke(1e6), draft_gear(1e4, 0.02)], ids=str)
 def test_a_body_tied_along_the_row_is_a_wall(law):
-    """Check that a body bounces back from a tied body, and that a body between a tied body and a wall stays."""
+    """Check that a body bounces off a neighbour that is tied along the line of the chain. A body between a tied body
+    and a wall must stay at its place.
+    """
     space, bodies, chain = chain_row(law, gap=[0.3, 0.0, 0.0], beads=4, masses=[1.0, 1.0, 1.0, math.inf])
     space.add(pymunk.PinJoint(space.static_body, bodies[2], (5.0, 0.0), (0.0, 0.0)))
     run(space, FRAME, 120)
@@ -210,7 +218,9 @@ def test_a_string_that_is_cut_or_has_no_force_holds_nothing(cut):
 
 @pytest.mark.parametrize("law", [hertz(1e4), power_law(50.0, 0.1), draft_gear(1e4, 0.02)], ids=str)
 def test_collisions_with_elastic_walls_add_no_energy(law):
-    """Check that a blow of the wall ends with its step. The chain must not predict another blow in the next step."""
+    """Check that a collision with a wall ends in the step in which it happens. The chain must not predict another
+    collision for the next step.
+    """
     space, bodies, chain = chain_row(law, gap=0.1, beads=3)
     ends = [pymunk.Segment(space.static_body, (x, -1), (x, 1), 0.5) for x in (-1.2, 3.4)]
     space.add(*ends, *(pymunk.Circle(body, 0.5) for body in bodies))
@@ -225,7 +235,9 @@ def test_collisions_with_elastic_walls_add_no_energy(law):
 
 @pytest.mark.parametrize("spring_first", [True, False])
 def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
-    """Add a spring before or after the chain, and a joint of limited force on the last body."""
+    """Check the energy with a spring and with a joint of limited force on the last body. The spring is added before or
+    after the chain.
+    """
     space, bodies, chain = chain_row(hertz(1e4), gap=0.2)
     spring = pymunk.DampedSpring(space.static_body, bodies[0], (0, 0), (0, 0), 0.0, 20.0, 0.0)
     joint = pymunk.PivotJoint(space.static_body, bodies[4], (4.2, 0.0), (0.0, 0.0))
@@ -242,8 +254,8 @@ def test_a_spring_and_a_mouse_joint_add_no_energy(spring_first):
 
 
 def test_a_spring_between_bodies_keeps_the_energy_at_small_steps():
-    """Add a spring force that acts before the chain solves its step. The energy error must be of second order, without
-    drift.
+    """Check a spring force that acts before the chain solves its step. The energy error must be of second order and
+    must not drift.
     """
     drifts = []
     for step in (FRAME, FRAME / 8):
@@ -287,7 +299,7 @@ def test_removed_links_do_not_push():
     assert bodies[0].position.x == pytest.approx(1.0)
     bodies[0].position = 0.0, 0.0
     space.add(*chain)
-    assert_energy_stays(space, bodies, chain, frames=31)  # Until a contact is pressed.
+    assert_energy_stays(space, bodies, chain, frames=31)  # In these frames no contact is compressed yet.
     assert chain.forces.max() > 0.0
     chain.remove_from(space)
     assert not space.constraints
@@ -299,7 +311,9 @@ def test_removed_links_do_not_push():
 @pytest.mark.parametrize("way", ["remove_from", "as every constraint", "contacts alone"])
 @pytest.mark.parametrize("law", [hertz(1e4), power_law(1.0, 0.1), draft_gear(1e3, 0.02)], ids=str)
 def test_a_middle_body_dies_and_two_rows_go_on(law, way):
-    """Check that the two parts move like two separate chains, bitwise if the solver needs the same iterations."""
+    """Check that the two remaining parts of a chain move like two separate chains. The results must be bitwise equal if
+    the solver needs the same number of iterations.
+    """
     space, (*first, dead, third, fourth, fifth), chain = chain_row(law, beads=6, masses=[1.0] * 6)
     if way == "remove_from":
         chain.remove_from(space, dead)
@@ -337,7 +351,7 @@ def test_a_body_that_left_may_join_another_chain():
 
 
 def frames(space, chain, count):
-    """Return the state of everything that moves, in this number of frames."""
+    """Return the state of all moving objects in each of `count` frames."""
     found = []
     for _ in range(count):
         space.step(FRAME)
@@ -349,8 +363,8 @@ def frames(space, chain, count):
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e3, 0.02, 0.5)], ids=str)
 @pytest.mark.parametrize("before", [0, 12, 40])
 def test_ten_frames_rolled_back_to_the_bit(law, before):
-    """Roll back with the chain's state, a copy of the Space, and a pickle: before the first step, during a blow and
-    after it.
+    """Check that ten frames can be repeated with bitwise equal results. The start is restored from the state of the
+    chain, from a copy of the Space, or from a pickle. It is before the first step, during a collision, or after it.
     """
     space, _, chain = chain_row(law, gap=0.1)
     run(space, FRAME, before)
@@ -407,8 +421,8 @@ def test_a_solver_error_reaches_the_caller_once(monkeypatch):
 
 
 def test_a_link_takes_no_force_of_its_own():
-    """Check that a link rejects the attributes of a pymunk spring. They would break the energy balance or have no
-    effect.
+    """Check that a link rejects the attributes of a pymunk spring. These attributes would violate the energy balance or
+    have no effect.
     """
     space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
     of_a_spring = ("stiffness", "damping", "rest_length", "anchor_a", "anchor_b", "max_force", "force_func")
@@ -436,7 +450,7 @@ BROKEN = {
     "the first removed": (lambda space, bodies: space.remove(bodies[0]), r"body 0 .* chain.remove_from\(space, body\)"),
     "one removed": (lambda space, bodies: space.remove(bodies[2]), r"body 2 .* chain.remove_from\(space, body\)"),
     "the last removed": (lambda space, bodies: space.remove(bodies[4]), r"body 4 .* chain.remove_from\(space, body\)"),
-    "two that nothing moves": (  # pymunk would set their velocities to NaN.
+    "two that nothing moves": (  # pymunk would set the velocities of these bodies to NaN.
         lambda _, bodies: [setattr(body, "body_type", pymunk.Body.STATIC) for body in bodies[1:3]],
         "bodies 1 and 2 are not any more; remove the contact",
     ),
@@ -455,7 +469,7 @@ def test_bodies_that_no_longer_are_a_row_are_named(breaks, sentence):
 
 @pytest.mark.parametrize("chained", [True, False])
 def test_the_only_body_before_a_wall_removed(chained):
-    """Check the error if neither of the two bodies is in the Space any more."""
+    """Check the error message if neither of the two bodies is in the Space any more."""
     space, ball, wall = pymunk.Space(), pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.STATIC)
     wall.position = 0.99, 0
     links = SoftChain([ball, wall], LAW, 1.0) if chained else [SoftContact(ball, wall, (0, 0), (0, 0), 1.0, LAW, False)]
@@ -467,7 +481,8 @@ def test_the_only_body_before_a_wall_removed(chained):
 
 
 PIN, SLIDE = pymunk.PinJoint, lambda *ends: pymunk.SlideJoint(*ends, 0.0, 1.0)
-# The docstring of SoftChain names the loss with pin joints. With slide joints the energy must not grow.
+# With pin joints, the cradle may lose the energy that the docstring of SoftChain states. With slide joints, the energy
+# must not grow.
 STRINGS = [
     (PIN, hertz(1e7), 60.0, 240, pytest.approx(0.959, abs=0.01)),
     *((SLIDE, hertz(1e6), 30.0, rate, pytest.approx(0.9, abs=0.1)) for rate in (60, 120, 240)),
@@ -477,7 +492,7 @@ STRINGS = [
 @pytest.mark.slow
 @pytest.mark.parametrize(("string", "law", "seconds", "rate", "kept"), STRINGS)
 def test_a_cradle_of_pendulums_keeps_its_energy(string, law, seconds, rate, kept):
-    """Swing five pendulums of 1 m. The first is released at 0.5 rad."""
+    """Check the energy of five pendulums of 1 m length. The first pendulum is released at 0.5 rad."""
     space, step = pymunk.Space(), 1.0 / rate
     space.gravity = 0, -9.81
     bodies = [pymunk.Body(1, 1e9) for _ in range(5)]

@@ -65,7 +65,7 @@ def test_changed_speeds_and_steps_are_checked_again():
     assert "m/s" in sentence
     space, bodies, contacts = cradle(hertz(1e4), beads=2)
     assert warned(space, 1e-4, 2000) == []
-    for law in (None, hertz(1e9)):  # Another law of the same contact is checked again.
+    for law in (None, hertz(1e9)):  # If the law of a contact is replaced, the step is checked again.
         if law:
             contacts[0].contact = law
         bodies[0].velocity, bodies[0].position = (bodies[1].velocity.x + 1.0, 0.0), bodies[1].position - (1.1, 0.0)
@@ -73,7 +73,9 @@ def test_changed_speeds_and_steps_are_checked_again():
 
 
 def test_slow_contacts_beside_a_fast_blow_are_judged_by_it():
-    """Check the inner contacts of a row, which close slowly. Their errors are small relative to the blow."""
+    """Check the inner contacts of a chain, which close slowly next to a fast collision. Their errors are compared with
+    the speed of this collision.
+    """
     space, _, contacts = cradle(power_law(50.0, 0.1))
     substeps = contacts[0].substeps(FRAME, 1.0)
     assert warned(space, FRAME / substeps, 10) == []

@@ -13,7 +13,7 @@ from softcradle.physics.status import Status, WarningCode
 from benchmarks.scan.families import motion
 from tests.helpers.relations import KERNELS, NAMES, PROMISE, assert_momentum, ledger_error, simulate_quietly
 
-FEW = {  # Seeds of each family for which the reference is fast.
+FEW = {  # Random seeds for which the reference method is fast, for each family of chains.
     "couplers": range(1, 10), "bounded": (1, 3, 5, 9, 12, 13), "timed": (2, 5, 8), "driven": (5, 7, 8, 9),
     "friction": (0, 3, 6, 7, 9), "loss": (1, 2, 3, 4, 7), "walls": (0, 2, 8), "own-laws": (1, 2, 3),
 }  # fmt: skip
@@ -24,8 +24,8 @@ CHOSEN += [pytest.param(family, seed, marks=pytest.mark.slow) for family, seeds 
 
 @pytest.mark.parametrize(("family", "seed"), CHOSEN)
 def test_random_motions_agree_with_the_reference(family, seed):
-    """Check that errors are at most ten tolerances and the estimated error, and that conserving keeps energy and
-    momentum up to round-off.
+    """Check that the errors of random motions are at most ten tolerances plus the estimated error. The method
+    conserving must keep energy and momentum up to round-off.
     """
     chosen = motion(family, seed)
     chain, velocity, speed = chosen.chain, chosen.velocity, chosen.speed
@@ -50,13 +50,13 @@ def test_random_motions_agree_with_the_reference(family, seed):
 
 
 def ended(chain, velocity, duration=None):
-    """Return the run of the reference with the finest tolerance."""
+    """Simulate the chain by the reference method with its finest tolerance."""
     return simulate(chain, velocity, duration, "scipy", samples=2, tolerance=1e-11)
 
 
 def test_an_alpha_of_a_thirtieth_is_no_hindrance():
-    """Check inner overlaps of 1e-29. They count as touching, with a multiplier, until the tolerance distinguishes them
-    from 0.
+    """Check a collision with alpha = 1/30, whose inner overlaps are 1e-29. The contacts count as being at overlap 0
+    until the tolerance distinguishes their overlaps from 0.
     """
     chain, start = one_on(10, power_law(1.0, 1 / 30)), [1] + [0] * 10
     found, finer = (simulate(chain, start, method="scipy", tolerance=tolerance) for tolerance in (1e-7, 1e-8))
@@ -86,7 +86,9 @@ def test_a_motion_of_which_not_one_step_can_be_taken_is_a_value():
 
 @pytest.mark.parametrize("method", NAMES)
 def test_scales_of_length_and_time_do_not_matter(method):
-    """Compare grains of micrometres with contacts of microseconds with the same motion in metres and seconds."""
+    """Compare the same motion in different units. One chain has grains of micrometres and contacts that last
+    microseconds. The other chain uses metres and seconds.
+    """
     length, time = 1e-6, 1e-7
     large = simulate(one_on(3, hertz(1.0)), [1, 0, 0, 0], 4.0, method, samples=5)
     stiffness = 1.0 / (time**2 * math.sqrt(length))
@@ -96,7 +98,7 @@ def test_scales_of_length_and_time_do_not_matter(method):
 
 
 def test_parts_of_a_coupler_that_only_together_are_determined():
-    """Check a coupler whose two gears touch at the same overlap. Only the sum of their forces is determined."""
+    """Check a coupler with two draft gears at overlap 0. Only the sum of their forces is determined."""
     link = Coupler(draft_gear(100.0, 0.05), pull=draft_gear(80.0, 0.05))
     found = ended(Chain([1.0, 2.0, 3.0], link, drive=[3.0, 0.0, 0.0]), [0.0, 0.0, 0.0], 2.0)
     assert found.final_velocity == pytest.approx([1.0, 1.0, 1.0], abs=1e-12)
@@ -104,45 +106,46 @@ def test_parts_of_a_coupler_that_only_together_are_determined():
 
 
 def test_the_solver_survives_overflow_of_a_law():
-    """Check a law that overflows. Iterates of an implicit step reached 293 m, beyond the range of exp. Such a step is
-    repeated as a shorter step, and the run continues.
+    """Check a contact law that overflows. The iterations of an implicit step reached an overlap of 293 m, where exp
+    overflows. Such a step must be repeated with a shorter length, and the run must continue.
     """
     laws = Laws(one_on(1, OwnLaw(lambda overlap: math.expm1(50.0 * overlap))), 1.0)
-    on = np.zeros(1, dtype=int), np.zeros(1, dtype=bool)  # the first segment, on loading
+    on = np.zeros(1, dtype=int), np.zeros(1, dtype=bool)  # State of the contact: first segment, loading branch.
     assert not np.isfinite(laws.force(np.array([293.0]), *on))
     assert not np.isfinite(laws.slope(np.array([293.0]), *on))
     assert laws.force(np.array([[0.1], [-0.1]]), *on) == pytest.approx(np.array([[math.expm1(5.0)], [0.0]]))
 
 
 def test_contacts_pressed_at_the_start_are_closed():
-    """Check contacts that are pressed at the start. Friction holds their beads, so nothing moves."""
+    """Check that contacts with an overlap at the start count as closed. Friction holds their beads, so nothing moves."""
     for method in ("scipy", "accurate", "conserving"):
         chain = Chain([1.0, 1.0], hooke(10.0), gap=-0.01, friction=0.5)
         assert simulate(chain, [0.0, 0.0], None, method, samples=2).contact_intervals == (((0.0, math.inf),),), method
 
 
 def test_a_touching_contact_closes_with_its_neighbour():
-    """Check a contact whose force is 0 both when its neighbour closes and when it opens. A check only at these times
-    did not find it.
+    """Check a contact at overlap 0 next to a contact that closes and opens. The force between its beads is 0 at both of
+    these times. An earlier version checked the force only at these times and did not detect the closing.
     """
     found = ended(one_on(2, [hooke(1.0), step_force(20.0)]), [1.0, 0.0, 0.0])
     (pushed,), (touching,) = found.contact_intervals
     assert pushed == pytest.approx((0.0, math.pi / math.sqrt(1.5)), abs=1e-9)
     assert touching == pytest.approx(pushed, abs=1e-9)
-    # Beads that slide side by side do not push each other any more.
+    # Beads that slide side by side no longer push each other.
     sliding = Chain([1.0, 2.0, 1.0], [hooke(1.0), hertz(1.0)], friction=0.1)
     assert ended(sliding, [1.0, 1.0, 1.0], 0.5).contact_intervals == ((), ())
 
 
 def test_slow_yielding_is_not_restarted_by_other_contacts():
-    """Check two inner contacts that yield at forces of 1e-15 N. Each mode change restarted the motion of the other one,
-    9500 times.
+    """Check two inner contacts that yield slowly at forces of 1e-15 N. In an earlier version, each mode change of one
+    contact restarted the motion of the other contact. This happened 9500 times.
     """
     chain = Chain([0.6256050420307148, 1.9966455213844647, 1.7485191867510559, 0.5551660365009872, 1.0], hooke(100.0))
     assert simulate(chain, [1.40621878, 0, 0, 0, 0], 0.12, "scipy", samples=2).steps < 100
 
 
-# Masses [kg], stiffness, exponent, gaps [m], friction, velocity of the striker [m/s], and tolerance.
+# Each entry contains masses [kg], stiffness, exponent, gaps [m], friction, velocity of the first bead [m/s], and
+# tolerance.
 STUCK = [
     ([0.46947684638014126, 0.467007658846719, 1.0077010100542962, 2.4738512390997687], 1.2940312341255225, 1.0,
      [0.0, 0.0246158635633857, 0.0], 0.056163714095268005, 1.9246372161548775, 1e-3),
@@ -153,8 +156,8 @@ STUCK = [
 
 @pytest.mark.parametrize(("mass", "stiffness", "exponent", "gap", "friction", "speed", "tolerance"), STUCK)
 def test_a_switch_that_repeats_ends_the_run_soon(mass, stiffness, exponent, gap, friction, speed, tolerance) -> None:
-    """Check rows on a bed in which one switch follows itself without end. The run gave up after half a minute, because
-    round-off made its phases longer than the limit.
+    """Check chains on a friction bed in which the same mode change repeats endlessly. In an earlier version the run
+    gave up only after half a minute. Round-off made the times between the mode changes longer than the limit.
     """
     chain = Chain(mass, power_law(stiffness, exponent), gap=gap, friction=friction)
     found = simulate_quietly(chain, [speed, 0.0, 0.0, 0.0], 5.0, method="scipy", samples=2, tolerance=tolerance)
