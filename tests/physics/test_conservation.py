@@ -1,5 +1,5 @@
-"""Tests of conservation: momentum up to round-off in all methods, energy in exact methods, energy balance with walls,
-friction and loss.
+"""Tests of conservation laws. All methods must conserve momentum up to round-off, and exact methods must conserve
+energy. The energy balance must include walls, friction and loss.
 """
 
 import math
@@ -19,8 +19,8 @@ from tests.helpers.relations import NAMES, assert_momentum, assert_sound, ledger
 
 MIXED = Chain([1.0, 30.0, 0.2, 5.0, 1.0], [power_law(1.0, 0.1), hooke(3.0), draft_gear(2.0, 0.1), hertz(4.0)])
 MIXED_START = [1.0, 0.0, 0.5, 0.0, -1.0]
-# Bound of the energy error of `conserving`, divided by the square root of the number of steps. The worst of 12 800
-# random collisions had a third of it. Half of them had 1e-15.
+# Limit of the energy error of `conserving`, divided by the square root of the number of steps. In 12 800 random
+# collisions, the largest error was a third of this limit. Half of the collisions had an error of 1e-15.
 ENERGY_ROUND_OFF = 1e-10
 
 
@@ -38,8 +38,9 @@ def test_momentum_is_conserved_to_round_off(method):
 
 @pytest.mark.parametrize("seed", [4, 5])
 def test_rows_of_gears_that_chatter_keep_their_momentum(seed):
-    """Solve rows of 40 step forces, gears and lossy gears, a fifth of them with gaps. Their contacts open and close thousands
-    of times, and many of their rates are set to 0.
+    """Check the momentum of chains of 40 contacts. The contacts are constant forces, draft gears and draft gears with
+    loss, and a fifth of them have gaps. They open and close thousands of times, and many of their rates are set to
+    0.
     """
     n = 40
     draw = np.random.default_rng([99, seed])
@@ -54,10 +55,12 @@ def test_rows_of_gears_that_chatter_keep_their_momentum(seed):
 
 @pytest.mark.parametrize("method", [one.name for one in relations.FIXED_STEP if not one.set_valued])
 def test_explicit_energy_stays_bounded(method):
-    """Squeeze beads between two walls for hundreds of oscillations. The error of a symplectic step must not grow."""
+    """Check the energy of beads between two walls over hundreds of oscillations. The energy error of a symplectic step
+    must not grow.
+    """
     chain = Chain([math.inf, 1.0, 2.0, 0.5, math.inf], [hooke(1.0), hertz(2.0), hooke(3.0), hertz(1.0)])
     state = State.at_start(chain, [0.0, 0.2, -0.1, 0.2, 0.0])
-    state.overlap[:] = 1.0, 0.8, 0.6, 1.1  # The overlaps are so deep that no contact opens.
+    state.overlap[:] = 1.0, 0.8, 0.6, 1.1  # These overlaps are so large that no contact opens.
     moving, start = relations.kinetic_energy(chain, state.velocity(chain)), relations.total_energy(chain, state)
     errors = []
     for _ in range(200):
@@ -89,13 +92,15 @@ def test_a_wall_keeps_its_velocity_and_returns_the_bead(method):
         assert found.kinetic_energy[0] == relations.kinetic_energy(chain, [1.0, wall_speed])
 
 
-# The motion contains stops, reversals, a gear that is held, and a bead that sticks and breaks loose.
+# In this motion, beads stop and reverse, a draft gear is held, and a bead sticks and slides again.
 CHAIN = Chain([1.0, 2.0, 1.5, 1.0], draft_gear(300.0, 0.01, 0.6), gap=[0.005, 0.0, 0.002], friction=0.25)
 START = [1.0, 0.0, 0.0, -0.5]
 
 
 def longest_time(chain, velocity):
-    """Return the longest contact time [s], or the time in which friction stops a bead if that is shorter."""
+    """Return the longest contact time [s], or the time in which friction stops a bead. The shorter of the two times is
+    used.
+    """
     longest = float(contact_scales(chain, velocity)[1].max())
     return min(longest, np.ptp(velocity) / (chain.friction * GRAVITY))
 
@@ -105,13 +110,15 @@ def test_the_ledger_of_conserving_closes_to_round_off(seed, parts):
     chain, velocity = random_dissipative(seed)
     longest = longest_time(chain, velocity)
     found = simulate(chain, velocity, longest * min(20, 2000 / parts), "conserving", longest / parts, samples=41)
-    assume(found.warnings == ())  # About one of a hundred chains has a step that does not converge, and a warning.
+    assume(found.warnings == ())  # In about one of a hundred chains a step does not converge, and the run warns.
     assert ledger_error(found) < 1e-10
 
 
 @pytest.mark.parametrize("seed", range(15))
 def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
-    """Check the energy balance within ten tolerances (measured: 0.4), and better at a finer tolerance."""
+    """Check that the energy balance is correct within ten tolerances (measured: 0.4). Its error must decrease at a
+    finer tolerance.
+    """
     chain, velocity = random_dissipative(seed, 4)
     errors = []
     duration = 2.0 * longest_time(chain, velocity)
@@ -124,7 +131,9 @@ def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
 
 @pytest.mark.parametrize("method", ["radau", "accurate", "scipy"])
 def test_conserving_converges_with_second_order_through_stops(method):
-    """Compare two methods that share no steps."""
+    """Check that the results of the method conserving approach an adaptive run with second order. The two methods do
+    not share any step.
+    """
 
     def rows(one):
         return np.column_stack((one.position, one.velocity, one.absorbed_by_bed, one.absorbed_by_contacts))
@@ -141,8 +150,8 @@ def test_conserving_converges_with_second_order_through_stops(method):
 
 @pytest.mark.parametrize("method", ["accurate", "conserving", "verlet", "scipy"])
 def test_the_work_of_walls_that_move_is_in_the_ledger(method):
-    """Check a cluster that a piston drives, with a drive that also acts on the piston, and a bead between two walls of
-    equal velocity.
+    """Check the energy balance with moving walls. In one motion, a piston pushes a cluster, and an external force also
+    acts on the piston. In the other motion, a bead is between two walls of equal velocity.
     """
     driven = Chain([1.0, 1.0, math.inf], hertz(30.0), gap=[0.1, 0.0], drive=[-0.1, 0.0, 5.0])
     between = Chain([math.inf, 1.0, math.inf], hertz(30.0), gap=[0.0, 0.1])
@@ -164,7 +173,9 @@ def test_the_energy_balance_is_unknown_with_unequal_walls_or_a_bed():
 @given(collisions())
 @settings(max_examples=60)
 def test_fixed_steps_keep_momentum_and_stay_finite(method, collision):
-    """Check methods with their default step. Larger steps can blow up on stiff chains with exponents above 1."""
+    """Check methods of fixed steps with their default step. With larger steps the energy can grow without bound if
+    contacts are stiff and have exponents above 1.
+    """
     chain, velocity = collision
     step = default_step(chain, velocity)
     found = simulate_quietly(chain, velocity, 3000 * step, method.name, samples=31)
@@ -177,10 +188,13 @@ def test_fixed_steps_keep_momentum_and_stay_finite(method, collision):
 @given(collision=collisions())
 @settings(max_examples=60)
 def test_energy_is_exact_at_any_step(method, parts, collision):
-    """Check the energy up to round-off. Light beads and steps of thousands of contact times amplify the round-off."""
+    """Check that energy is conserved up to round-off. Light beads and steps of thousands of contact times amplify the
+    round-off.
+    """
     chain, velocity = collision
     step = float(contact_scales(chain, velocity)[1].max()) / parts
-    found = simulate(chain, velocity, 3 * parts * step, method.name, step, samples=31)  # A warning counts as an error.
+    # Any warning makes this test fail.
+    found = simulate(chain, velocity, 3 * parts * step, method.name, step, samples=31)
     assert_sound(found)
     assert_momentum(found, velocity)
     assert relations.energy_error(found, velocity) < ENERGY_ROUND_OFF * math.sqrt(found.steps + 1)

@@ -1,5 +1,5 @@
-"""Tests of the contact law: force is the derivative of energy, overlap is the inverse of force, and each push has one
-overlap.
+"""Tests of the contact law. The force is the derivative of the energy. The overlap is the inverse function of the
+force. Each push determines one overlap.
 """
 
 import math
@@ -28,7 +28,8 @@ def row(contact):
 def test_force_is_the_slope_of_energy(contact, overlap):
     width = 1e-4 * overlap
     slope = (contact.energy(overlap + width) - contact.energy(overlap - width)) / (2.0 * width)
-    # Truncation error (width**2 / 6 times the third derivative) and round-off of the difference.
+    # The allowed difference consists of the truncation error (width**2 / 6 times the third derivative) and the
+    # round-off of the difference quotient.
     assert slope == pytest.approx(contact.force(overlap), rel=1e-7)
 
 
@@ -36,7 +37,7 @@ def test_force_is_the_slope_of_energy(contact, overlap):
 def test_overlap_undoes_force(contact, overlap):
     assume(contact.stiffness > 0.0)
     force = contact.force(overlap)
-    # Digits that are lost to the preload.
+    # Factor by which the subtraction of the preload amplifies the relative round-off.
     lost = 1.0 + contact.preload / (contact.stiffness * overlap**contact.exponent)
     assume(lost < 1e6)
     assert contact.overlap(force) == pytest.approx(overlap, rel=4e-15 * lost * max(1.0, 1.0 / contact.exponent))
@@ -51,7 +52,9 @@ def test_a_preload_is_carried_without_overlap(contact, part, distance):
 
 @given(contacts, overlaps)
 def test_the_law_is_a_preloaded_power_by_kernels_too(contact, overlap):
-    """Check Python and kernels. Some exponents, and a stiffness of 0, have separate formulas."""
+    """Compare the contact law with its formula, in Python and in the kernels. Some exponents and the stiffness 0 have
+    separate formulas in the kernels.
+    """
     preload, stiffness, exponent = row(contact)
     force = preload + stiffness * overlap**exponent
     energy = preload * overlap + stiffness * overlap ** (1.0 + exponent) / (1.0 + exponent)
@@ -68,7 +71,8 @@ def test_named_constructors():
     assert row(hooke(3.0)) == (0.0, 3.0, 1.0)
     assert row(step_force(3.0))[:2] == (3.0, 0.0)
     assert step_force(2.0).overlap([1.0, 2.0, 2.1]).tolist() == [0.0, 0.0, math.inf]
-    assert draft_gear(770.0, 0.0177).force(0.01) == pytest.approx(770.0 * (0.0177 + 0.01))  # Eq. (C1)
+    # This is Eq. (C1) of the paper.
+    assert draft_gear(770.0, 0.0177).force(0.01) == pytest.approx(770.0 * (0.0177 + 0.01))
 
 
 def test_arrays_keep_their_shape_and_scalars_are_floats():
@@ -108,7 +112,7 @@ def test_an_unknown_keyword_lists_those_that_there_are(make, sentence):
 
 
 def test_a_hertz_contact_from_material_and_radius():
-    """Compare with Hertz's formula: an aluminium sphere on a flat wall, and two spheres of different materials."""
+    """Compare with Hertz's formula for an aluminium sphere on a flat wall and for two spheres of different materials."""
     k = Contact.of_spheres(70e9, 0.33, (0.1, math.inf)).stiffness
     assert k == pytest.approx(4.0 / 3.0 * 70e9 / (2.0 * (1.0 - 0.33**2)) * math.sqrt(0.1), rel=1e-14)
     law = Contact.of_spheres((210e9, 70e9), (0.3, 0.33), (0.01, 0.02), loss=0.19)

@@ -1,4 +1,4 @@
-"""Tests of orders of convergence, and of every adaptive method against quadruple-precision solutions."""
+"""Tests of the orders of convergence. The tests also compare every adaptive method with quadruple-precision solutions."""
 
 import math
 
@@ -22,7 +22,7 @@ def slope(counts, errors):
 
 
 def moved(chain, method, **fineness):
-    """Return the end of a motion in which every contact stays loaded."""
+    """Return the final state of a motion in which every contact stays loaded."""
     state = State.at_start(chain, [1.0, 0.8, 0.5, 0.2])
     state.overlap[:] = 0.5, 0.6, 0.4
     advance(chain, state, DURATION, method, **fineness)
@@ -34,7 +34,7 @@ def moved(chain, method, **fineness):
 def test_order_on_smooth_motion(method, case):
     chain, counts = SMOOTH[case], (16, 32, 64, 128)
     exact = moved(chain, "scipy", tolerance=1e-10)
-    assert exact[:3].min() > 0.1  # All contacts are still loaded, so no touch reduces the order.
+    assert exact[:3].min() > 0.1  # All contacts are still loaded, so no opening reduces the order.
     errors = [np.abs(moved(chain, method.name, step=DURATION / count) - exact).max() for count in counts]
     assert slope(counts, errors) == pytest.approx(method.order, abs=0.1)
 
@@ -42,16 +42,17 @@ def test_order_on_smooth_motion(method, case):
 @pytest.mark.parametrize("law", TOUCHES, ids=str)
 @pytest.mark.parametrize("method", FIXED_STEP, ids=lambda method: method.name)
 def test_order_at_a_touch(method, law):
-    """Check the order min(order, 1 + a), or 1 with a preload. The error is the root mean square over the phase of the
-    step at which the beads meet.
+    """Check the order of convergence when beads meet. It is min(order, 1 + a) without a preload, and 1 with a preload.
+    The error is the root mean square over different times within a step at which the beads meet.
 
-    A set-valued method uses mean forces. It integrates the onset exactly and keeps its order on a single contact.
+    A set-valued method uses mean forces. It integrates the beginning of the contact exactly and keeps its order on a
+    single contact.
     """
     after, counts, phases = 0.25, (64, 128, 256, 512), (np.arange(8) + 0.5) / 8
     exact = simulate(Chain([1, 1], law), [1, 0], after, "scipy", samples=2, tolerance=1e-10).final_velocity
     errors = []
     for count in counts:
-        gaps = phases / count  # The striker reaches the target at different points of a step.
+        gaps = phases / count  # The first bead reaches the other bead at different times within a step.
         runs = (simulate(Chain([1, 1], law, gap), [1, 0], gap + after, method.name, 1.0 / count, 2) for gap in gaps)
         errors.append(np.sqrt(np.mean([(run.final_velocity - exact) ** 2 for run in runs])))
     onset = 1.0 if law.preload else 1.0 + law.exponent
@@ -71,7 +72,7 @@ def test_adaptive_error_follows_the_tolerance(method, case):
 def test_adaptive_cost_grows_slowly_with_the_digits(method):
     chain, start = Chain([1.0] * 5, hertz(1.0)), [1, 0, 0, 0, 0]
     loose, fine = (simulate(chain, start, 3.0, method.name, tolerance=each).evaluations for each in (1e-4, 1e-8))
-    assert loose < fine < 10 * loose  # A fixed step of order 2 would need 100 times as many.
+    assert loose < fine < 10 * loose  # A method of order 2 with fixed steps would need 100 times as many steps.
 
 
 def test_a_default_step_resolves_the_shortest_contact():
@@ -85,9 +86,9 @@ def test_a_default_step_resolves_the_shortest_contact():
 
 
 CASES = ELASTIC + GEARS
-# `dop853` takes explicit steps across the singular openings of contacts with exponents below 1, where `accurate` uses
-# radau. There the error estimate of dop853 is too small by another factor of 10. It also resolves every oscillation, so
-# a finer tolerance would exceed the step limit.
+# The method `dop853` takes explicit steps across the singular openings of contacts with exponents below 1. (`accurate`
+# uses radau for them.) At such an opening the error estimate of dop853 is too small by another factor of 10. The method
+# also resolves every oscillation, so a finer tolerance would exceed the step limit.
 SOFT_PROMISE, SOFT_TOLERANCE = 100.0, 1e-6
 TOLERANCE = 1e-8
 
@@ -113,9 +114,10 @@ def test_tolerances(method, truth):
     assert np.abs(found.velocity[rows] - truth.velocity).max() < bound * speed
     assert np.abs(found.overlap[rows] - truth.overlap).max() < bound * truth.largest_overlap.max()
     assert np.abs(found.ledger / found.ledger[0] - 1.0).max() < 10.0 * tolerance
-    if not swings:  # A soft contact between others oscillates about its force.
-        # (T, n) force error [N] for an error of 1 m/s in the rate: sqrt(mu df/dd). It is unbounded when a contact with
-        # an exponent < 1 opens. The slope is taken at the overlap or at its error, whichever is larger.
+    if not swings:  # The force of a soft contact between other contacts oscillates about its mean.
+        # Force error [N] for a velocity error of 1 m/s in the rate: sqrt(mu df/dd), as an array of shape (T, n). It is
+        # unbounded when a contact with an exponent below 1 opens. The slope is taken at the overlap or at the error of
+        # the overlap, whichever is larger.
         _, stiffness, exponent = truth.chain.power_law_rows.T
         overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
         slopes = exponent * stiffness * overlap ** (exponent - 1.0)
@@ -125,11 +127,12 @@ def test_tolerances(method, truth):
     if method.name == "scipy":
         assert (found.step, found.tolerance) == (0.0, tolerance)
         assert 0 < found.steps < found.evaluations
-        if truth not in GEARS:  # Compare the digits of the paper's case, and more.
+        if truth not in GEARS:  # Compare all digits of the example in the paper, and some more digits.
             assert found.final_velocity == pytest.approx(truth.final, abs=2e-10)
-    # Openings are located by the overlap. The slower the beads of a contact separate, the later its opening is found.
+    # The overlap determines the time of an opening. The more slowly the beads of a contact separate, the later the
+    # opening is found.
     part = PROMISE * tolerance
-    pushed = np.nanmax(truth.opened)  # A contact that only touches transmits the push as long as there is one.
+    pushed = np.nanmax(truth.opened)  # A contact at overlap 0 transmits the push for as long as the push lasts.
     for opened, rate, intervals in zip(truth.opened, np.diff(truth.final), found.contact_intervals, strict=True):
         if math.isnan(opened):
             assert intervals[-1][1] == pytest.approx(pushed, rel=part)

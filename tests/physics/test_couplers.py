@@ -1,4 +1,6 @@
-"""Tests of couplers: solid stop and slack against closed forms, all methods against the reference, and error messages."""
+"""Tests of couplers. Solid stops and slack are compared with closed forms, and all methods with the reference. Error
+messages are checked as well.
+"""
 
 import math
 import re
@@ -19,13 +21,13 @@ TRAIN = Coupler(GEAR, pull=GEAR, slack=0.02, travel=0.166, stop=1e8)
 
 
 def bounce_in_the_stop(spring, stop, travel, mass, speed):
-    """Return peak force and contact time of a spring to which a second spring is added at overlap `travel`: two arcs of
-    sines.
+    """Return the peak force and the contact time of a collision with a spring and a stop. The stop is a second spring
+    that acts above the overlap `travel`. The motion consists of two sine arcs.
     """
     soft, hard = math.sqrt(spring / mass), math.sqrt((spring + stop) / mass)
     first = math.asin(soft * travel / speed) / soft
     left = speed * math.cos(soft * first)
-    # Distance at which the total stiffness gives the force at the stop.
+    # With the total stiffness, this displacement gives the force at which the stop begins to act.
     offset = spring * travel / (spring + stop)
     reach = math.hypot(offset, left / hard)
     return (spring + stop) * reach, 2.0 * (first + math.atan2(left / hard, offset) / hard)
@@ -38,7 +40,8 @@ def test_two_wagons_bounce_in_the_solid_stop(method, side):
     pulled = {"pull": hooke(spring), "slack": 1.0} if side < 0.0 else {}
     chain = Chain([mass, mass], Coupler(hooke(spring), **pulled, travel=travel, stop=stop), gap=1.0 if pulled else 0.0)
     peak, time = bounce_in_the_stop(spring, stop, travel, mass / 2.0, speed)
-    assert peak > 5.0 * speed * math.sqrt(spring * mass / 2.0)  # The peak force that the gear alone would have.
+    # The expression on the right is the peak force of the spring without the stop, times five.
+    assert peak > 5.0 * speed * math.sqrt(spring * mass / 2.0)
     found = simulate(chain, [side * speed, 0.0], 1.2 * time, samples=401, method=method, **fineness(method, 2e-6))
     assert (side * found.force).max() == pytest.approx(peak, rel=1e-4)
     assert found.final_velocity == pytest.approx([0.0, side * speed], abs=1e-4)
@@ -58,12 +61,14 @@ def test_a_contact_closes_at_its_start_even_if_the_first_step_ends_at_the_stop(m
 
 @pytest.mark.parametrize("method", CARRY)
 def test_wagons_of_a_pulled_train_start_one_after_another(method):
-    """Compare with hard links, which pass on all momentum: wagon k starts at T (k + 1) / 2 with T = sqrt(2 s m / F)."""
+    """Compare the start times of wagons with the start times for hard links, which transmit all momentum. Wagon k
+    starts at T (k + 1) / 2 with T = sqrt(2 s m / F).
+    """
     force, mass, slack, wagons = 1e5, 8e4, 0.02, 5
     whole = math.sqrt(2.0 * slack * mass / force)
     end, errors = 0.95 * whole * (wagons + 1) / 2.0, []
     for stiffness in (1e10, 1e12):
-        # Each wagon begins in the middle of its slack.
+        # At the start, each coupler is in the middle of its slack.
         link = Coupler(hooke(stiffness), pull=hooke(stiffness), slack=2.0 * slack)
         chain = Chain([mass] * (wagons + 1), link, slack, forces=TimedForce(wagons, 0.0, force))
         contact = math.pi / math.sqrt(stiffness * 2.0 / mass)
@@ -72,8 +77,8 @@ def test_wagons_of_a_pulled_train_start_one_after_another(method):
         wanted = [whole * (k + 1) / 2.0 for k in range(1, wagons)]
         assert len(starts) == len(wanted)
         errors.append(np.abs(np.array(starts) - wanted).max())
-    assert errors[0] < 10.0 * math.pi / math.sqrt(1e10 * 2.0 / mass)  # Each link needs its contact time.
-    assert errors[1] < 0.15 * errors[0]  # With a hundredfold stiffness, the error is a tenth.
+    assert errors[0] < 10.0 * math.pi / math.sqrt(1e10 * 2.0 / mass)  # Each link delays the start by its contact time.
+    assert errors[1] < 0.15 * errors[0]  # If the stiffness is a hundred times larger, the error is a tenth.
 
 
 @pytest.mark.parametrize("method", ["euler", "verlet", "conserving", "scipy"])
@@ -109,19 +114,22 @@ def test_the_stable_step_knows_the_stop():
     links = [Coupler(hooke(1e6), travel=0.1, stop=stop) for stop in (1e6, 1e10)]
     soft, hard = (stable_step(Chain([8e4] * 2, link), [3, 0], 0.5) for link in links)
     assert hard < 0.2 * soft
-    # In this coupler, the pull is much stiffer than the push.
+    # The pulling part of this coupler is much stiffer than the pushing part.
     chain = Chain([1.0, 1.0], Coupler(hooke(10.0), pull=hooke(1e6), slack=0.1))
     assert stable_step(chain, [0, 1], 0.5) < 1e-2 * stable_step(Chain([1.0, 1.0], hooke(10.0)), [1, 0], 0.5)
     assert solve(chain, [0.0, 1.0], 0.15, "verlet").final_velocity == pytest.approx([1.0, 0.0], abs=1e-3)
 
 
-WAGONS = Coupler(hooke(1e7), pull=hooke(1e7), slack=0.02)  # of 30 t that meet at 1.5 m/s: sqrt(mu k) v is 580 948 N
+# Coupler of wagons of 30 t that meet at 1.5 m/s. The peak force sqrt(mu k) v is 580 948 N.
+WAGONS = Coupler(hooke(1e7), pull=hooke(1e7), slack=0.02)
 BLOW = 1.5 * math.sqrt(1.5e4 * 1e7)
 
 
 @pytest.mark.parametrize("method", CARRY)
 def test_a_wagon_that_rolls_up_couples_when_it_meets_the_other(method):
-    """Nothing pulls across the gap; after the blow the couplers run through their slack, and pull as hard."""
+    """Check a wagon that rolls toward another wagon. The coupler does not pull across the gap. After the collision the
+    coupler runs through its slack and pulls with the same peak force.
+    """
     found = simulate(
         Chain([3e4, 3e4], WAGONS, gap=0.05), [1.5, 0.0], 0.3, method, samples=301, **fineness(method, 1e-5)
     )
@@ -132,7 +140,8 @@ def test_a_wagon_that_rolls_up_couples_when_it_meets_the_other(method):
     (push, pull) = found.contact_intervals[0]
     assert push == pytest.approx((meets, meets + lasts), abs=1e-4)
     assert pull == pytest.approx((meets + lasts + 0.02 / 1.5, meets + 2.0 * lasts + 0.02 / 1.5), abs=2e-4)
-    assert (found.force.max(), found.force.min()) == pytest.approx((BLOW, -BLOW), rel=1e-3)  # between samples
+    # These peaks are between samples.
+    assert (found.force.max(), found.force.min()) == pytest.approx((BLOW, -BLOW), rel=1e-3)
     np.testing.assert_allclose(found.ledger, found.ledger[0], rtol=error)
 
 
@@ -166,7 +175,9 @@ def test_the_option_tells_whether_a_coupler_is_coupled_at_the_start(coupled, gap
 
 @pytest.mark.parametrize("method", CARRY)
 def test_frames_of_live_use_couple_as_a_run_does(method):
-    """The State carries which couplers have coupled from one frame to the next; a copy and a run go on from there."""
+    """Check that the State stores from frame to frame which couplers are coupled. A copy of the State and a run
+    continue with these couplers.
+    """
     chain = Chain([3e4, 2e4, 3e4], WAGONS, gap=[0.05, 0.03])
     state, end = State.at_start(chain, [1.5, 0.0, 0.0]), 0.35
     whole = simulate(chain, [1.5, 0.0, 0.0], end, method, samples=2, **fineness(method, 1e-4))
@@ -183,7 +194,9 @@ def test_frames_of_live_use_couple_as_a_run_does(method):
 
 
 def test_couplers_of_a_long_row_couple_one_after_another():
-    """A wagon pushed through a row of standing ones: each pair couples when it meets, and the row ends as one train."""
+    """Check a wagon that is pushed into a row of wagons at rest. Each pair couples when it meets, and at the end all
+    wagons form one train.
+    """
     chain = Chain([3e4] * 6, replace(WAGONS, push=hooke(1e7, 0.5), pull=hooke(1e7, 0.5)), gap=0.05, friction=0.0)
     found = simulate(chain, [1.5, *[0.0] * 5], 12.0, "conserving", samples=601)
     first = [spans[0][0] for spans in found.contact_intervals]

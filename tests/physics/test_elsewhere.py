@@ -1,5 +1,5 @@
-"""Tests of determinism: the same digits in every run, on every processor and C library, and kernel tests as plain
-Python.
+"""Tests of determinism. Results must be bitwise equal in every run, on every processor and with every C library. The
+tests of kernels are also run in plain Python.
 """
 
 import json
@@ -16,7 +16,7 @@ RECORDED = json.loads(FILE.read_text())
 MOTIONS = {name: rest for name, *rest in motions()}
 LONG = {f"train-starting/{method}" for method in ("conserving", "verlet", "euler")}
 DIGITS = [f"test_elsewhere.py::test_digits_{those}_recorded" for those in ("are_those", "of_random_runs_are_those")]
-# Processor features that NumPy may use, by NumPy's names.
+# Processor features that NumPy can use, with the names that NumPy gives them.
 VECTORS = " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name])
 PLACES = {
     "a C library without vector instructions": (
@@ -53,7 +53,9 @@ def test_digits_are_those_recorded(name):
 
 
 def passed(names, **variables):
-    """Return the output of pytest for these test files in a process with these variables. All tests must pass."""
+    """Run pytest for the given test files in a process with the given environment variables. Return its output. All
+    tests must pass.
+    """
     words = ("-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *map(str, names))
     return python(*words, cwd=ROOT, PYTEST_ADDOPTS="", **variables).stdout
 

@@ -1,5 +1,5 @@
-"""Tests of bed friction and contacts with loss: closed forms, sticking, the end of a motion, error messages, live
-steps.
+"""Tests of bed friction and contacts with loss. The tests check closed forms, sticking, the end of a motion, error
+messages and live steps.
 """
 
 import math
@@ -21,15 +21,15 @@ from tests.helpers.relations import SET_VALUED, fineness, ledger_error, simulate
 from tests.helpers.spaces import LOSSY
 
 DISSIPATIVE = [method.name for method in METHODS if method.dissipative]
-# Allowed error of a restitution; 1e-7 for methods that are not listed.
+# Allowed relative error of the restitution. It is 1e-7 for methods that are not listed.
 ERRORS = {"conserving": 1e-6, "euler": 2e-2, "verlet": 4e-3, "pymunk": 2e-2, "accurate": 1e-9, "scipy": 1e-11}
 
 
 @pytest.mark.parametrize("method", DISSIPATIVE)
 @pytest.mark.parametrize("friction", [0.05, 0.6])
 def test_a_bead_slides_to_rest(method, friction):
-    """Check that a bead stops after the time v/(mu g) and the distance v²/(2 mu g), and that the bed absorbs all its
-    energy.
+    """Check that a sliding bead stops after the time v/(mu g) and the distance v²/(2 mu g). The bed must absorb all of
+    its energy.
     """
     chain = Chain([2.0, 1.0], power_law(1.0, 0.1), gap=50.0, friction=friction)
     time = 1.5 / (friction * GRAVITY)
@@ -52,7 +52,9 @@ def place(velocity, brake, time):
 
 
 def test_sliding_beads_meet_as_on_a_grid_of_times():
-    """Compare with a grid of times, for beads with equal brakes, different brakes, and without brakes, like walls."""
+    """Compare the meeting time of sliding beads with a search on a grid of times. The friction of the two beads is
+    equal, different or absent. A bead without friction moves like a wall.
+    """
     rng, last = np.random.default_rng(1), np.array([1e3, 1e5, 1e7])
     for _ in range(3000):
         one, other = rng.choice([0.0, 1.0, -1.0], 2) * 10.0 ** rng.uniform(-1.0, 1.0, 2)
@@ -66,8 +68,8 @@ def test_sliding_beads_meet_as_on_a_grid_of_times():
 @pytest.mark.parametrize("method", DISSIPATIVE)
 @pytest.mark.parametrize("law", LOSSY)
 def test_restitution_of_one_on_one(method, law):
-    """Check that a contact returns (1 - loss) of the energy. The restitution is sqrt(1 - loss) for any law, and
-    unloading is slower by the same factor.
+    """Check that a contact with loss returns (1 - loss) of the energy. The restitution is sqrt(1 - loss) for any
+    contact law. Unloading is slower by the same factor.
     """
     found = simulate(one_on(1, LOSSY[law], [1.0, 3.0]), [1.0, 0.0], method=method, tolerance=1e-11)
     parting = found.final_velocity[1] - found.final_velocity[0]
@@ -76,18 +78,18 @@ def test_restitution_of_one_on_one(method, law):
     assert found.final_velocity @ [1.0, 3.0] == pytest.approx(1.0, rel=1e-12)
     assert found.absorbed_by_contacts[-1] == pytest.approx(0.8 * 0.375, rel=error)
     assert found.absorbed_by_bed[-1] == 0.0
-    # The law "preload and root" has no closed form of the contact time.
+    # The contact time of the law "preload and root" is not known in closed form.
     if law != "preload and root" and find_method(method).adaptive:
         ((closed, opened),) = found.contact_intervals[0]
         time = one_on_one(replace(LOSSY[law], loss=0.0), 0.75, 1.0).contact_time
         assert opened - closed == pytest.approx(0.5 * time * (1.0 + 1.0 / math.sqrt(0.2)), rel=1e-6)
 
 
-# Other methods use f = 0 at overlap 0, so their contacts chatter.
+# All other methods use the force 0 at overlap 0, so their contacts chatter.
 @pytest.mark.parametrize("method", [one.name for one in SET_VALUED])
 def test_a_push_below_the_threshold_moves_nothing(method):
-    """Push four beads on a bed. With 0.99 of their total friction they stay bitwise at rest. With 1.01 all have the
-    same motion.
+    """Push four beads on a friction bed. If the force is 0.99 of their total friction, they stay bitwise at rest. If it
+    is 1.01 of this friction, all four beads have the same motion.
     """
     weight = 0.3 * GRAVITY * 4
     for share in (0.99, 1.01):
@@ -113,8 +115,8 @@ def test_the_bed_absorbs_nothing_from_a_held_bead(method):
 
 
 def test_beads_that_a_weak_impact_does_not_reach_stay():
-    """Check a long row. Beads that friction holds must not move by one bit relative to the last bead, which is the
-    anchor.
+    """Check a long chain that is hit weakly. Beads that friction holds must not move by one bit relative to the last
+    bead, which is the anchor of all positions.
     """
     chain = Chain([1.0] * 11 + [1.5], hertz(1e6), gap=0.001, friction=0.5)
     found = simulate(chain, [0.3] + [0.0] * 11, method="conserving")
@@ -138,8 +140,8 @@ def test_the_end_comes_when_nothing_can_meet_again():
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 @pytest.mark.parametrize("seed", range(20))
 def test_motions_with_friction_and_loss_end(method, seed):
-    """Check that beads joined by a held contact stop together, and that creeping at round-off counts as rest. Runs
-    continued to 1e45 s.
+    """Check that beads joined by a held contact stop together. Creeping at the level of round-off must count as rest.
+    In an earlier version, such runs continued to 1e45 s.
     """
     draw = np.random.default_rng(seed)
     beads = int(draw.integers(2, 6))
@@ -159,8 +161,8 @@ def test_motions_with_friction_and_loss_end(method, seed):
 @pytest.mark.parametrize("law", [step_force(1e3), power_law(1e4, 0.045)])
 @pytest.mark.parametrize("step", [0.003, 0.015])
 def test_bounces_within_steps_lose_to_the_bed(law, step):
-    """Press a bead on a wall with a force much larger than mu m g. Its velocity at the wall decreases linearly by mu
-    g/2 to 0.
+    """Check a bead that a force much larger than mu m g presses against a wall. The speed of the bead at the wall
+    decreases to 0 at the constant rate mu g/2.
     """
     chain = Chain([1.0, math.inf], law, drive=[100.0, 0.0], friction=1.0 / GRAVITY)
     found = simulate(chain, [0.05, 0.0], 0.15, "conserving", step, samples=11)
@@ -171,8 +173,8 @@ def test_bounces_within_steps_lose_to_the_bed(law, step):
 @pytest.mark.parametrize("mass", [0.0013, 0.1])
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass):
-    """Check the end of a light bead. Its last bounces are shorter than any step, and then it creeps. Runs did not end,
-    or ended at 1e10 s.
+    """Check that the run of a light bead under a constant force ends. The last bounces of the bead are shorter than any
+    step, and then the bead creeps. In an earlier version, such runs did not end, or ended at 1e10 s.
     """
     chain = Chain([1.0, mass, 1.0], [power_law(8165.0, 0.045), step_force(0.2435)], friction=0.1)
     found = simulate_quietly(chain, [1.0, 0.0, 0.0], method=method, samples=2, tolerance=1e-6)
@@ -184,8 +186,8 @@ def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass)
 @pytest.mark.parametrize("seed", [2, 9, 27, 39])
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
-    """Check sticking beads next to a creeping bead. They moved with the precision of the stages for 1e8 s, and the
-    gears between them gained energy.
+    """Check sticking beads next to a creeping bead. In an earlier version, the sticking beads moved for 1e8 s because
+    of the limited precision of the stages. The draft gears between them gained energy.
     """
     draw = np.random.default_rng(seed)
     mass = [1.0, 10.0 ** draw.uniform(-3.0, -0.5), 10.0 ** draw.uniform(-0.3, 0.3)]
@@ -200,7 +202,9 @@ def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
 
 @pytest.mark.parametrize("seed", [784, 819])
 def test_sticking_beads_next_to_a_stiff_contact_do_not_block_the_end(seed):
-    """Check seeds of the scan in which a step of the fallback produced NaN, so that the run did not end."""
+    """Check random chains with sticking beads next to a stiff contact. In an earlier version, a step of the fallback
+    method produced NaN for these seeds, and the run did not end.
+    """
     motion = families.motion("friction", seed)
     given = motion.chain, motion.velocity, motion.duration
     radau, accurate = (solve(*given, each, samples=2, tolerance=1e-11).final_velocity for each in ("radau", "accurate"))

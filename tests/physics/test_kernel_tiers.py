@@ -1,5 +1,5 @@
-"""Tests of compiled kernels and plain Python: the same digits, no waiting for what plain Python can do, and messages
-about compiling.
+"""Tests of compiled kernels and plain Python. Both must give bitwise equal results. A run must not wait for compiling
+if plain Python is sufficient. Messages about compiling are checked as well.
 """
 
 import os
@@ -30,7 +30,7 @@ ALL = (*adaptive.TIERS.values(), *TIERS.values(), soft_chain.KERNELS)
 
 @pytest.fixture
 def cold(monkeypatch):
-    """Simulate a machine on which nothing is compiled, and on which compiling does not start."""
+    """Simulate a machine without any compiled kernels. Starting a compilation has no effect."""
     for kernels in ALL:
         for name, value in (("_loaded", False), ("_first", False), ("spent", 0.0)):
             monkeypatch.setattr(kernels, name, value)
@@ -42,8 +42,8 @@ def cold(monkeypatch):
 @pytest.mark.parametrize("method", ["accurate", "radau", "dop853", "conserving", "verlet"])
 @pytest.mark.parametrize("friction", [0.0, 0.01])
 def test_every_kernel_of_a_run_is_loaded_first(monkeypatch, method, friction):
-    """Check that loading compiled kernels calls every kernel. Otherwise it would be compiled in the first run, which
-    would wait.
+    """Check that every kernel is called when compiled kernels are loaded. Otherwise a kernel would be compiled during
+    the first run, and the run would wait.
     """
     called: dict[str, set[str]] = {}
 
@@ -108,7 +108,7 @@ def test_machine_code_takes_over_between_steps(cold):
 
 @pytest.fixture
 def waited(cold):
-    """Return the list of kernels that runs wait for."""
+    """Return the list of kernels for which runs wait."""
     names = []
     cold.setattr(KernelTiers, "wait", lambda self: names.append(self.name))
     return names
@@ -132,8 +132,8 @@ def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold, waited):
 
 @pytest.fixture
 def locked(tmp_path, monkeypatch):
-    """Return a function that makes kernels with a lock in their own cache. The lock says that process `number` compiles
-    them.
+    """Return a function that creates kernels with a lock in a cache of their own. According to the lock, the process
+    `number` compiles these kernels.
     """
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
 
@@ -155,8 +155,8 @@ def test_a_process_that_died_does_not_count_as_compiling(locked):
 
 
 def test_a_process_that_compiles_gives_signs_of_life(locked, monkeypatch):
-    """Check that nobody starts to compile the same kernels again, however long it takes. A process number can be reused
-    by another process.
+    """Check that no other process starts to compile the same kernels, however long the compilation takes. Another
+    process can later have the same process number.
     """
     monkeypatch.setattr(kernel_tiers, "HEARTBEAT", 0.0)
     long_ago = kernel_tiers.time() - 2.0 * kernel_tiers.LONGEST_SILENCE
@@ -183,7 +183,9 @@ def test_who_waits_long_says_for_what(locked, monkeypatch, caplog):
 
 
 def test_requested_kernels_are_compiled_in_a_child_process(cold):
-    """Check that a child process compiles while this process waits. If the wait is interrupted, the compilation stops."""
+    """Check that a child process compiles while this process waits. If the wait is interrupted, the compilation must
+    stop.
+    """
     ended: list[str] = []
     cold.setattr(KernelTiers, "wait", Mock(side_effect=KeyboardInterrupt))
     cold.setattr(KernelTiers, "_stop", lambda self: ended.append(self.name))
@@ -195,11 +197,12 @@ def test_requested_kernels_are_compiled_in_a_child_process(cold):
 @pytest.mark.skipif(os.name != "posix", reason="processes are not nice here")
 @pytest.mark.parametrize(("niceness", "begun"), [(0, False), (10, True)])
 def test_awaited_kernels_are_compiled_with_normal_priority(locked, monkeypatch, niceness, begun):
-    """Check a process that waits for kernels. If another process compiles them with low priority, this one starts its
-    own compilation.
+    """Check a process that waits for kernels. If another process compiles the kernels with low priority, the waiting
+    process must start its own compilation.
     """
     kernels = locked(niceness=niceness)
-    monkeypatch.setattr(kernel_tiers, "sleep", lambda seconds: kernels._made.touch())  # The other process ends.
+    # The other process finishes the compilation.
+    monkeypatch.setattr(kernel_tiers, "sleep", lambda seconds: kernels._made.touch())
     assert kernels.compile_behind()
     assert kernels._process is None
     kernels.wait()

@@ -1,4 +1,6 @@
-"""Tests of the error that a State estimates over the frames of `advance`, and of the warning above the guarantee."""
+"""Tests of the error that a State estimates over the frames of `advance`. A State must warn if the estimate is above
+the guaranteed error.
+"""
 
 import math
 
@@ -12,7 +14,8 @@ from softcradle.physics.status import WarningCode
 
 from tests.helpers.relations import PROMISE, simulate_quietly, struck
 
-# Three wagons whose couplers pull after a slack. They amplify errors a hundredfold.
+# Contact laws of three wagons whose couplers pull after a slack. The motion of these wagons amplifies errors a
+# hundredfold.
 PUSH, OTHER = Contact(0.21, 65.0, 1.0), Contact(0.46, 1.67, 1.5)
 TRAIN = Chain(
     [0.25, 0.14, 2.1],
@@ -27,7 +30,7 @@ CRADLE = one_on(4, power_law(1.0, 0.1))
 
 
 def after(chain: Chain, velocity, duration: float, frames: int, tolerance: float, method: str = "accurate") -> State:
-    """Return the state after this number of frames, with the warnings of the last frame."""
+    """Return the state after `frames` frames. It contains the warnings of the last frame."""
     state = State.at_start(chain, velocity)
     for _ in range(frames):
         move(chain, state, duration / frames, method, None, tolerance, 200_000)
@@ -37,7 +40,9 @@ def after(chain: Chain, velocity, duration: float, frames: int, tolerance: float
 @pytest.mark.parametrize("frames", [1, 10, 300])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_live_couplers_report_errors_above_the_guarantee(tolerance: float, frames: int) -> None:
-    """Check the warning. A frame at 1e-8 had an error of 164 tolerances, and nothing reported it."""
+    """Check that an error above the guarantee causes a warning. In an earlier version, a frame at the tolerance 1e-8
+    had an error of 164 tolerances without a warning.
+    """
     right = simulate_quietly(TRAIN, START, 5.0, tolerance=1e-10, samples=2).final_velocity
     state = after(TRAIN, START, 5.0, frames, tolerance)
     error = np.abs(state.velocity(TRAIN) - right).max()
@@ -85,7 +90,7 @@ def growth(state: State) -> float:
 
 @pytest.mark.parametrize("frames", [7, 60, 300])
 def test_the_growth_of_errors_goes_on_from_frame_to_frame(frames: int) -> None:
-    """Check that error amplification continues over frames, because a flight or a bounce lasts many frames."""
+    """Check that error amplification accumulates over several frames. A flight or a bounce can last many frames."""
     whole = growth(after(TRAIN, START, 4.6, 1, 1e-6))
     assert whole > 15.0
     assert growth(after(TRAIN, START, 4.6, frames, 1e-6)) == pytest.approx(whole, rel=0.5)
@@ -104,7 +109,7 @@ def test_a_copy_goes_on_from_the_error_that_it_has() -> None:
     assert copy.velocity_error == error > 0.0
     move(TRAIN, copy, 0.1, "accurate", None, 1e-6, 200_000)
     assert copy.velocity_error >= error
-    copy.velocity_error = 0.0  # The estimate starts again.
+    copy.velocity_error = 0.0  # From now on the error is estimated again.
     move(TRAIN, copy, 1e-3, "accurate", None, 1e-6, 200_000)
     assert copy.velocity_error < 0.1 * error
 
@@ -114,7 +119,7 @@ def test_a_method_without_an_estimate_leaves_none(method: str) -> None:
     state = after(CRADLE, struck(CRADLE), 0.1, 1, 1e-6, method)
     assert math.isnan(state.velocity_error)
     move(CRADLE, state, 0.1, "accurate", None, 1e-6, 200_000)
-    assert math.isnan(state.velocity_error)  # The unknown error of the previous frame is part of it.
+    assert math.isnan(state.velocity_error)  # The estimate includes the unknown error of the previous frame.
     assert not state.warnings
 
 
@@ -126,8 +131,8 @@ def test_a_frame_that_another_method_finishes_has_no_estimate() -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
 def test_an_estimate_is_at_most_what_energy_allows(tolerance: float) -> None:
-    """Check minutes between two walls, which amplify errors by millions. No bead can be faster than the total energy
-    allows.
+    """Check the estimated error of beads that bounce between two walls for minutes. This motion amplifies errors by
+    millions. The total energy limits the speed of each bead and therefore its error.
     """
     chain = Chain([math.inf, 1.0, 1.5, 2.0, math.inf], power_law(1e3, 1.0), gap=0.1)
     velocity = [0.0, 1.0, -0.3, 0.2, 0.0]

@@ -1,4 +1,6 @@
-"""Tests of interrupted runs: frames have a step budget, long runs pause to handle signals, and pauses change no digit."""
+"""Tests of interrupted runs. Each frame has a step budget. Long runs pause to handle signals, and a pause must not
+change the result.
+"""
 
 import numpy as np
 import pytest
@@ -35,7 +37,9 @@ def test_conserving_finishes_a_frame_that_runs_out_of_steps(chain, method):
 @pytest.mark.parametrize(("chain", "method"), [(RUBS, "radau"), (LOSES, "radau"), *((SOFT, one) for one in KERNELS)])
 @pytest.mark.parametrize("steps", [1, 2, 5, 20, 60])
 def test_a_run_whose_budget_ends_reaches_its_end(chain, method, steps, monkeypatch):
-    """Check runs without and with friction, which also end their budget between changes of friction."""
+    """Check that a run reaches its end although its step budget is exhausted. With friction, the budget can also end
+    between two changes of the friction.
+    """
     exact = solve(chain, struck(chain), None, method, None, 11, 1e-8)
     monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_STEPS", steps)
     monkeypatch.setattr("softcradle.physics.adaptive.usual_budget.MOST_FOLLOWED", 0)
@@ -51,14 +55,14 @@ def test_a_run_whose_budget_ends_reaches_its_end(chain, method, steps, monkeypat
 
 FIXED = "verlet", "conserving"
 PAUSED = [*runs(CASES, ("accurate",)), *(("a long row", one) for one in FIXED)]
-# With forces over time, round-off decides where steps end.
+# If forces depend on time, round-off decides where steps end, so these motions are left out.
 PAUSED += runs([name for name in CASES if not CASES[name].chain.timed], FIXED)
 
 
 @pytest.mark.parametrize(("name", "method"), PAUSED)
 def test_the_digits_of_a_run_do_not_depend_on_its_pauses(name, method, monkeypatch):
-    """Check pauses everywhere, including the breakpoints of forces, at which adaptive methods determine brakes and
-    yielding beads again.
+    """Check that results are bitwise equal whatever the pauses are. Some pauses are at breakpoints of forces. At a
+    breakpoint, adaptive methods determine friction and yielding again.
     """
     case = CASES.get(name, LONG_ROW)
     whole = digits_of(case, method)

@@ -1,5 +1,5 @@
-"""Tests of external forces (steady or over time), brakes, and initially pressed contacts: closed forms, energy balance,
-live frames.
+"""Tests of external forces, brakes, and contacts with an initial overlap. The external forces are constant or depend on
+time. The tests check closed forms, the energy balance and live frames.
 """
 
 import math
@@ -19,8 +19,9 @@ from softcradle import scenes
 from tests.helpers.relations import fineness
 
 DRIVEN = Chain([1.0, 2.0, 1.0, 0.5], power_law(1.0, 0.2), drive=[1.0, 0.0, 0.0, 0.0])
-SPRUNG = Chain([1.0, 3.0], hooke(4.0), gap=-0.5)  # Energy 1/2 J, reduced mass 3/4 kg.
-PULSE = TimedForce(0, [0.0, 1.0, 3.0, 3.0], [0.0, 0.0, 6.0, 2.0])  # A ramp, then a step down to a value that stays.
+SPRUNG = Chain([1.0, 3.0], hooke(4.0), gap=-0.5)  # The stored energy is 1/2 J, and the reduced mass is 3/4 kg.
+# The force rises linearly and then jumps down to a value that stays.
+PULSE = TimedForce(0, [0.0, 1.0, 3.0, 3.0], [0.0, 0.0, 6.0, 2.0])
 FREE = Chain([2.0, 1.0], hooke(1.0), gap=100.0, forces=PULSE)
 BRAKED = Chain([2.0, 1.0], hooke(1.0), gap=100.0, brakes=TimedForce(0, [1.0, 1.0, 3.0], [0.0, 4.0, 12.0]))
 PUSHING = Chain([1.0] * 4, draft_gear(50.0, 0.1), forces=TimedForce([0, 3], [0.0, 0.4, 0.9, 0.9], [0.0, 9.0, 3.0, 0.0]))
@@ -41,8 +42,8 @@ def method(request):
 
 def test_a_free_bead_has_the_double_integral_of_its_force(method):
     found = simulate(FREE, [0.0, 0.0], 5.0, **settings(method, 1e-2))
-    # The velocity is 3/4 (t-1)**2 in the ramp, and 3 at its end. The path is 1/4 (t-1)**3, and 2 at its end. Then the
-    # acceleration is 1.
+    # While the force rises, the velocity is 3/4 (t-1)**2 and the displacement is 1/4 (t-1)**3. At the end of the rise
+    # they are 3 and 2. Then the acceleration is 1.
     assert found.final_velocity == pytest.approx([5.0, 0.0], abs=1e-11)
     bound = 0.1 if method.name in FIRST_ORDER else 1e-9 if method.adaptive else 3e-5
     assert found.position[-1, 0] == pytest.approx(2.0 + 3.0 * 2.0 + 2.0, abs=bound)
@@ -52,8 +53,10 @@ def test_a_free_bead_has_the_double_integral_of_its_force(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
 def test_a_brake_stops_a_bead_and_holds_it(method):
-    """Check a bead of 7 m/s: constant speed for 1 s, then -dv/dt = 2 (t-1) + 2 until it stops."""
-    stop = math.sqrt(8.0) - 1.0  # Solution of u**2 + 2 u = 7.
+    """Check a bead that starts at 7 m/s. Its speed is constant for 1 s. Then it decelerates by 2 (t-1) + 2 until it
+    stops.
+    """
+    stop = math.sqrt(8.0) - 1.0  # This time solves u**2 + 2 u = 7.
     found = simulate(BRAKED, [7.0, 0.0], 4.0, **settings(method))
     u = np.clip(found.time - 1.0, 0.0, stop)
     bound = 5e-3 if method.name in FIRST_ORDER else 1e-7 if method.adaptive else 2e-6
@@ -65,8 +68,8 @@ def test_a_brake_stops_a_bead_and_holds_it(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
 def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
-    """Check samples before a force begins. They were once extrapolated from the motion after the beginning, and a bead
-    moved into its wall and out again.
+    """Check samples before an external force begins. In an earlier version, they were extrapolated from the motion
+    after the beginning of the force. A bead seemed to move into its wall and out again.
     """
     chain = Chain([math.inf, 1.0], hooke(4.0), friction=0.05, forces=TimedForce(1, [0.5, 0.5], [0.0, -2.0]))
     found = simulate(chain, [0.0, 0.0], 1.0, **settings(method))
@@ -88,8 +91,8 @@ def test_beads_at_rest_start_at_the_last_step_of_a_force(method, step):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.adaptive], ids=lambda one: one.name)
 def test_a_brake_just_after_an_opening_is_continuous(method):
-    """Check a brake that begins just after an opening. A step shorter than 1e-4 of the time applied the brake at its
-    end, and a decelerating bead reversed.
+    """Check a brake that begins just after a contact has opened. In an earlier version, a step shorter than 1e-4 of the
+    time applied the brake at its end, and a decelerating bead reversed.
     """
 
     def run(brakes=()):
@@ -102,8 +105,8 @@ def test_a_brake_just_after_an_opening_is_continuous(method):
 
 
 def test_a_push_on_soft_contacts_that_hardly_close_is_computed():
-    """Check contacts that close at 1e-22 m/s while all beads reach 1e-3 m/s. The number of steps per contact time was
-    not finite.
+    """Check contacts that close at 1e-22 m/s while all beads reach 1e-3 m/s. In an earlier version, the number of steps
+    per contact time was not finite.
     """
     laws = [Contact(0.93, 0.0, 1.0), Contact(1.35, 11.3, 0.58), power_law(20.4, 0.0615), power_law(3.3, 0.0886)]
     chain = Chain([1.0] * 5, laws, forces=TimedForce(3, (0.3, 0.35), (-0.08, 0.0)))
@@ -111,7 +114,9 @@ def test_a_push_on_soft_contacts_that_hardly_close_is_computed():
 
 
 def test_a_run_without_duration_ends_after_forces_and_contacts():
-    """Check that a run ends after its forces, which end at 0.9 s. A permanent force needs a duration."""
+    """Check that a run without a duration ends after its external forces, which end at 0.9 s. If a force is permanent,
+    a duration is required.
+    """
     found = simulate(PUSHING, REST)
     assert found.status.name == "SEPARATED"
     assert found.time[-1] > 0.9
@@ -122,8 +127,8 @@ def test_a_run_without_duration_ends_after_forces_and_contacts():
 
 @pytest.mark.parametrize("before", [4.7e-15, 1e-12, 1e-9, 1e-6])
 def test_a_frame_just_before_a_breakpoint_has_the_right_impulse(before):
-    """Check a frame that begins just before a breakpoint. A step to the breakpoint would be round-off, and gave the
-    train about 1000 N s.
+    """Check a frame that begins just before a breakpoint of a force. The step to the breakpoint would be as short as
+    round-off. In an earlier version, the train received about 1000 N s in such a step.
     """
     lane = scenes.load("train-starting").lanes[0]
     chain = lane.chain()
@@ -138,8 +143,8 @@ def test_a_frame_just_before_a_breakpoint_has_the_right_impulse(before):
 
 @pytest.mark.parametrize("seed", [2, 10, 17])
 def test_a_force_that_jumps_just_before_an_opening_is_no_alarm(seed):
-    """Check that the estimate stays small. After the step of the force, the remaining motion is slow, and a tolerance
-    relative to this speed is too strict.
+    """Check that the estimated error stays small if a force jumps just before a contact opens. The motion after the
+    jump is slow. A tolerance relative to this low speed would be too strict.
     """
     draw = np.random.default_rng(seed)
     exponent, targets = draw.uniform(0.05, 0.5), int(draw.integers(1, 4))
@@ -154,7 +159,7 @@ def test_a_force_that_jumps_just_before_an_opening_is_no_alarm(seed):
     assert simulate(chain, start, 1.5 * jump, "radau", samples=2, tolerance=1e-8).velocity_error.max() < 1e-6
 
 
-# Live frames of dop853 estimate 2e-7 m/s here, which is above the guarantee, and warn.
+# In this test, live frames of dop853 estimate an error of 2e-7 m/s. This is above the guarantee, so they warn.
 @pytest.mark.filterwarnings("ignore:velocities may be off:RuntimeWarning")
 def test_the_work_of_a_drive_is_the_energy_gained(method):
     step = fineness(method.name, 1e-4)
@@ -166,13 +171,13 @@ def test_the_work_of_a_drive_is_the_energy_gained(method):
         state = State.at_start(chain, REST)
         state.push = np.array([1.0 - drive, 0.0, 0.0, 0.0])
         advance(chain, state, 2.0, method=method.name, **step)
-        # An adaptive method may choose other steps. Then results agree within its tolerance.
+        # An adaptive method may choose other steps. The results then agree only within its tolerance.
         np.testing.assert_allclose(state.velocity(chain), found.final_velocity, rtol=1e-9, atol=1e-8 * method.adaptive)
 
 
 def test_kernels_see_one_type_of_force_from_outside():
-    """Check that forces are writeable. Numba treats a read-only array as another type, and would compile all kernels
-    again during play.
+    """Check that arrays of external forces are writeable. Numba treats a read-only array as another type and would
+    compile all kernels again while the user plays.
     """
     chain = Chain([1.0, 1.0], power_law(1.0, 0.1), drive=[1.0, 0.0])
     state = State.at_start(chain, [0.0, 0.0])
@@ -203,8 +208,8 @@ def test_speed_scale_knows_the_press():
 
 @given(st.integers(0, 2**32 - 1))
 def test_speed_scale_knows_what_the_drive_presses(seed):
-    """Compare with the largest speed over all pairs of neighbouring groups of beads that the drive presses together,
-    with or without a wall on the left.
+    """Compare the speed scale with a search over all pairs of neighbouring groups of beads. The speed scale is the
+    largest speed at which the external force presses two groups together. Some chains have a wall on the left.
     """
     draw = np.random.default_rng(seed)
     count = int(draw.integers(2, 7))
@@ -222,7 +227,9 @@ def test_speed_scale_knows_what_the_drive_presses(seed):
 
 
 def test_a_bead_that_is_driven_away_does_not_change_the_tolerance():
-    """Check a bead of 3 m/s that leaves a bead that oscillates at a wall with 3e-5 m/s."""
+    """Check two beads of very different speed. One bead leaves at 3 m/s. The other bead oscillates at a wall with 3e-5
+    m/s.
+    """
     contact, drive = power_law(0.3, 0.13), [-0.08, 0.045, 0.0]
     row, alone = (Chain(mass, contact, drive=drive[-len(mass) :]) for mass in ([0.14, 4.4, np.inf], [4.4, np.inf]))
     found, other = (simulate(chain, np.zeros(len(chain.mass)), 5.0, tolerance=1e-5) for chain in (row, alone))
@@ -231,7 +238,9 @@ def test_a_bead_that_is_driven_away_does_not_change_the_tolerance():
 
 
 def test_the_default_step_fits_a_bead_that_falls_on_a_soft_contact():
-    """Check a bead that falls with 0.063 m/s. The force of the drive alone would press it in with only 1e-9 m/s."""
+    """Check a bead that falls on a soft contact at 0.063 m/s. The external force alone would press the bead into the
+    contact with only 1e-9 m/s.
+    """
     chain = Chain([1.0, np.inf], power_law(1.0, 0.1), 0.1, drive=[0.02, 0.0])
     found = simulate(chain, [0.0, 0.0], 4.0, "conserving")
     assert found.steps < 1e5
@@ -242,8 +251,8 @@ def test_the_default_step_fits_a_bead_that_falls_on_a_soft_contact():
 
 @pytest.mark.parametrize("exponent", [0.05, 0.01])
 def test_the_speed_scale_of_a_strong_drive_is_limited_by_the_duration(exponent):
-    """Check a drive that presses a bead in by kilometres. A step for the speed that it would reach is longer than the
-    motion.
+    """Check a strong external force that would press a bead in by kilometres. A step for the speed reached there would
+    be longer than the motion.
     """
     chain = Chain([1.0, np.inf], power_law(1.0, exponent), drive=[2.0, 0.0])
     fixed, fine = (simulate(chain, [0.0, 0.0], 5.0, method) for method in ("conserving", "accurate"))
@@ -260,8 +269,8 @@ def test_the_contrast_scenes_begin_at_rest_under_their_press(name):
 
 
 def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
-    """Count evaluations. For each point, the whole force and the speed that it can give were evaluated: 5000 points
-    took seconds.
+    """Count the evaluations of an external force with many points. In an earlier version, the whole force and its
+    largest speed were evaluated for each point. A force of 5000 points took seconds.
     """
     points, speeds = [], []
     at, driven = TimedForce.at, scales._driven_speed
@@ -271,7 +280,7 @@ def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
     chain = Chain([math.inf, 1.0], hooke(1e6), gap=1e-3, forces=TimedForce(1, time, -600.0 * np.sin(120.0 * time)))
     scales.speed_scale(chain, [0.0, 0.0])
     scales.closing_scale(chain, np.zeros(2), np.zeros(1), None, 0.5)
-    assert points == [time.size + 1]  # The step at the first point counts as two points.
+    assert points == [time.size + 1]  # The jump at the first point counts as two points.
     assert len(speeds) == 1
 
 
@@ -279,18 +288,18 @@ def test_a_force_of_many_points_is_evaluated_once(monkeypatch):
 @pytest.mark.parametrize(
     ("chain", "speed", "ends"),
     [
-        # 5 N for 1 s against 0.980665 N of friction, which then brakes for 2 s.
+        # A force of 5 N acts for 1 s against a friction of 0.980665 N. Then the friction brakes the bead for 2 s.
         (Chain([1.0, 1.0], hooke(100.0), 10.0, friction=0.1, forces=PUSH_LATER), 0.0, 2.058005),
-        # The same force on a bead that flies at 0.5 m/s.
+        # The same force acts on a bead that flies at 0.5 m/s.
         (Chain([1.0, 1.0], hooke(100.0), 99.0, forces=PUSH_LATER), 0.5, 5.5),
-        # Friction holds a bead against 0.5 N until 5 N act at 3 s.
+        # Friction holds a bead against 0.5 N until a force of 5 N begins at 3 s.
         (Chain([1.0, 1.0], hooke(100.0), 10.0, friction=0.1, forces=PUSH_MORE), 0.0, 2.058005),
     ],
     ids=["rest", "flight", "held"],
 )
 def test_a_rest_or_flight_until_the_next_force_is_one_step(name, chain, speed, ends):
-    """Check that rests and flights are skipped. Runs took steps until the last point of a force: 7e7 in a rest of 1e4
-    s.
+    """Check that rests and flights are skipped in one step. In an earlier version, runs took steps until the last point
+    of a force. A rest of 1e4 s took 7e7 steps.
     """
     found = simulate(chain, [speed, 0.0], 6.0, method=name, step=1e-3, samples=2)
     assert found.final_velocity[0] == pytest.approx(ends, abs=1e-5)
@@ -302,10 +311,13 @@ def test_a_rest_or_flight_until_the_next_force_is_one_step(name, chain, speed, e
 
 
 def test_a_rest_ends_with_each_step_of_a_force():
-    """Check two pulses on a bed, both stronger than the friction, with rests before, between and after them."""
+    """Check two pulses of force on beads on a friction bed. Both pulses are stronger than the friction. The beads rest
+    before, between and after the pulses.
+    """
     pulses = TimedForce(0, [10.0, 11.0, 11.0, 50.0, 50.0, 51.0, 51.0], [5.0, 5.0, 0.0, 0.0, -5.0, -5.0, 0.0])
     chain = Chain([1.0, 1.0], hooke(100.0), 99.0, friction=0.1, forces=pulses)
     found = simulate(chain, [0.0, 0.0], 99.0, method="conserving", step=1e-3, samples=[9.9, 11.0, 40.0, 51.0, 99.0])
     assert found.velocity[:, 0] == pytest.approx([0.0, 4.019335, 0.0, -4.019335, 0.0], abs=1e-9)
     assert found.position[-1, 0] == pytest.approx(0.0, abs=1e-9)
-    assert found.evaluations < 4 * 2 * 5100  # Two pulses, and the slides after them.
+    # The evaluations are needed for two pulses and for the sliding after each pulse.
+    assert found.evaluations < 4 * 2 * 5100

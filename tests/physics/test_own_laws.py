@@ -1,5 +1,5 @@
-"""Tests of user-defined contact laws: the same motions as built-in power laws, conservation, and comparison with the
-reference.
+"""Tests of user-defined contact laws. They must give the same motions as built-in power laws, conserve energy and
+momentum, and agree with the reference.
 """
 
 import math
@@ -30,7 +30,7 @@ def power(f0: float, alpha: float) -> Callable[[float], float]:
 
 @dataclass(frozen=True)
 class Toda:
-    """An exponential repulsive law with its energy."""
+    """An exponential repulsive contact law with a method for its energy."""
 
     stiffness: float
 
@@ -66,7 +66,7 @@ PAIRS = {
 @pytest.mark.parametrize("method", ["euler", "verlet", "yoshida4", "conserving"])
 @pytest.mark.parametrize(("own", "built_in"), [PAIRS["hertz"], PAIRS["soft"]], ids=["hertz", "soft"])
 def test_a_power_law_of_ones_own_moves_as_the_built_in_does(method, own, built_in):
-    # Round-off grows by a factor of a thousand per bounce there.
+    # In these motions, round-off grows by a factor of a thousand per bounce.
     chatters = built_in.exponent < 1.0 and method != "conserving"
     settings = {"duration": 0.3 if chatters else 2.5, "method": method, "step": 0.01, "samples": 51}
     found, wanted = (solve(Chain([1.0] * 5, law), START, **settings) for law in (own, built_in))
@@ -79,8 +79,8 @@ def test_a_power_law_of_ones_own_moves_as_the_built_in_does(method, own, built_i
 @pytest.mark.parametrize("method", ["radau", "accurate"])
 @pytest.mark.parametrize(("own", "built_in"), PAIRS.values(), ids=PAIRS)
 def test_adaptive_methods_take_a_power_law_of_ones_own_as_the_built_in(own, built_in, method):
-    """Check that results agree within the guarantee and with no more steps. The table equals the law, including its
-    beginning.
+    """Compare a user-defined power law with the built-in one. The results must agree within the guaranteed error, with
+    no more steps. The table of the user-defined law equals the power law, including its beginning.
     """
     found, wanted = (solve(Chain([1.0, 1.0, 2.0, 1.0], law), START[:4], method=method) for law in (own, built_in))
     assert found.final_velocity == pytest.approx(wanted.final_velocity, abs=3e-8)
@@ -120,7 +120,7 @@ def test_adaptive_methods_against_the_reference(law, method):
 @pytest.mark.parametrize("law", OWN_SHAPES.values(), ids=OWN_SHAPES)
 @pytest.mark.parametrize("step", [3e-2, 0.3])
 def test_energy_and_momentum_are_conserved_at_any_step(law, step):
-    # The step is too long for the contact, which gives a warning. The energy is still conserved.
+    # The step is too long for the contact, so the run warns. The energy must still be conserved.
     found = solve(one_on(4, law), START, duration=4.0, method="conserving", step=step, samples=41)
     assert np.ptp(found.ledger) < 1e-12 * found.ledger[0]
     assert np.ptp(found.momentum) < 1e-13
@@ -128,8 +128,8 @@ def test_energy_and_momentum_are_conserved_at_any_step(law, step):
 
 
 def test_a_chain_has_the_law_as_it_is_when_it_is_made():
-    """Check that a chain does not use the cached table of the same function. In a notebook, a number that the function
-    uses can change.
+    """Check that a new chain evaluates the contact law again instead of using a cached table. In a notebook, a variable
+    that the function uses can change.
     """
     stiffness = 1.0
 
@@ -154,8 +154,8 @@ LAWS = {
 
 @pytest.mark.parametrize(("force", "energy"), LAWS.values(), ids=LAWS)
 def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, energy):
-    """Check the table at overlaps of all sizes. A missing energy is the integral of the force; slope and inverses come
-    from the table.
+    """Check the table of a contact law at overlaps of all sizes. If a law does not define its energy, the energy is the
+    integral of the force. Slope and inverse functions come from the table.
     """
     law, draw = OwnLaw(force), np.random.default_rng(1)
     table, overlaps = law.table, 10.0 ** draw.uniform(-9.0, -1e-3, 2000)
@@ -173,13 +173,15 @@ def test_the_table_of_a_law_is_the_law_at_random_overlaps_of_all_sizes(force, en
             assert table_inverse(graph, rows, 0, plain(table_value)(graph, rows, 0, overlap)) == pytest.approx(
                 overlap, rel=1e-9
             )
-        digits = 1e-10 * force(overlap) / overlap  # Precision of a difference of forces.
+        digits = 1e-10 * force(overlap) / overlap  # Round-off of a difference of two forces, as a slope.
         assert table_slope(graph, 0, overlap) == pytest.approx(law.slope(overlap), rel=1e-5, abs=digits)
     assert table_inverse(graph, graph.force, 0, 1e300) == math.inf
 
 
 def test_a_law_without_digits_is_taken_as_it_is():
-    """Check sqrt(1 + d) - 1, which is round-off for d below 1e-16. The table must not refine this round-off."""
+    """Check the force sqrt(1 + d) - 1, which is only round-off for d below 1e-16. The table must not add points to
+    resolve this round-off.
+    """
     table = OwnLaw(lambda d: math.sqrt(1.0 + d) - 1.0).table
     assert len(table.force) < 5000
     assert table.values(table.force, np.array([0.5])) == pytest.approx(math.sqrt(1.5) - 1.0, rel=1e-14)
@@ -191,7 +193,7 @@ def test_laws_for_numbers_and_for_arrays_are_accepted():
     assert OwnLaw(lambda d: 3.0).force([1.0, 2.0]).tolist() == [3.0, 3.0]
     assert OwnLaw(power(2.0, 1.5)).overlap([2.0, 16.0]) == pytest.approx([1.0, 4.0])
     assert OwnLaw(math.tanh).overlap(2.0) == math.inf
-    assert OwnLaw(math.asin).overlap(2.0) == 1.0  # The end of the range of the law.
+    assert OwnLaw(math.asin).overlap(2.0) == 1.0  # The contact law is not defined above this overlap.
 
 
 def test_a_file_holds_the_table_of_a_law(tmp_path):
@@ -224,8 +226,8 @@ def test_a_force_that_falls_is_told():
 
 @pytest.mark.parametrize("at", [0.3, 0.5, 1.0, 2.0])
 def test_the_overlap_from_which_a_force_falls_is_located(at):
-    """Check the overlap in the warning. The warning once named the last overlap tried before the decrease, which was up
-    to 43 % too small.
+    """Check the overlap in the warning about a decreasing force. In an earlier version, the warning contained the last
+    tested overlap before the decrease, which was up to 43 % too small.
     """
     chain = Chain([15.0, math.inf], OwnLaw(lambda d: d if d < at else 0.5 * at))
     warning = next(w for w in solve(chain, [2.0, 0.0]).warnings if "falls from an overlap of" in w.sentence)
@@ -235,9 +237,10 @@ def test_the_overlap_from_which_a_force_falls_is_located(at):
 @pytest.mark.parametrize(
     ("force", "at"),
     [
-        (lambda d: d * math.exp(-(d**2)), math.sqrt(0.5)),  # A smooth maximum.
-        (lambda d: min(d, 0.4) if d < 0.7 else 0.1, 0.7),  # A plateau before the decrease.
-        (lambda d: d if d < 0.2 else d - 0.15, 0.2),  # The force recovers and exceeds the maximum.
+        (lambda d: d * math.exp(-(d**2)), math.sqrt(0.5)),  # This force has a smooth maximum.
+        (lambda d: min(d, 0.4) if d < 0.7 else 0.1, 0.7),  # This force is constant before it decreases.
+        # This force increases again after the decrease and exceeds its first maximum.
+        (lambda d: d if d < 0.2 else d - 0.15, 0.2),
     ],
 )
 def test_smooth_maxima_and_plateaus_are_located(force, at):
@@ -253,7 +256,7 @@ def test_a_law_of_other_arguments_is_refused(law):
 def test_an_energy_of_other_arguments_is_refused():
     with pytest.raises(ValueError, match="energy of a contact law must be a function of one number"):
         OwnLaw(lambda d: d, lambda d, w: d * w)
-    # An argument with a default does not count.
+    # An argument with a default value does not count as a second argument.
     assert OwnLaw(lambda d, stiffness=2.0: stiffness * d).force(1.0) == 2.0
 
 
@@ -265,12 +268,14 @@ def test_results_show_themselves(tmp_path):
     found.to_page(tmp_path / "x.html")
     page = (tmp_path / "x.html").read_text(encoding="utf-8")
     assert "Toda(overlap)" in page
-    assert 'data-say="file"' not in page  # This button would write a file with another law.
+    assert 'data-say="file"' not in page  # This button would save the scene with another contact law.
     assert found.to_xarray().force.shape == found.force.shape
 
 
 def test_a_pulse_is_solved_although_its_energy_loses_digits():
-    """Check overlaps far ahead of the pulse. They are so small that the closed form of the energy is only round-off."""
+    """Check a pulse in a chain with a law that loses digits. Far ahead of the pulse the overlaps are so small that the
+    closed form of the energy is only round-off.
+    """
     steep = OwnLaw(lambda d: math.expm1(5.0 * d), lambda d: math.expm1(5.0 * d) / 5.0 - d)
     found = solve(one_on(10, steep), [1.0] + [0.0] * 10, method="conserving", step=0.01)
     assert found.warnings == ()
@@ -279,7 +284,7 @@ def test_a_pulse_is_solved_although_its_energy_loses_digits():
 
 
 def test_a_law_that_refuses_some_overlaps_of_an_array_has_the_others():
-    """Check a law that uses another law. One of the overlaps of its table is beyond the range of the other law."""
+    """Check a law that calls another law. One overlap of its table is beyond the range of the other law."""
     steep = OwnLaw(lambda overlap: np.expm1(50.0 * overlap))
     twice = OwnLaw(lambda overlap: 2.0 * steep.force(overlap))
     assert twice.table.edge[-1] == pytest.approx(steep.table.edge[-1], rel=0.1)
@@ -289,7 +294,8 @@ def test_a_law_that_refuses_some_overlaps_of_an_array_has_the_others():
 
 
 def test_a_user_defined_law_closes_without_writing_beyond_its_arrays() -> None:
-    # Only chains with several segments have flags of couplers; plain Python checks the index, machine code does not.
+    # Only chains with several segments store flags of couplers. Plain Python raises an error for a wrong index, but
+    # machine code does not.
     chain = Chain([1.0, 1.0], OwnLaw(power(2.0, 1.0)))
     state = State.at_start(chain, [1.0, 0.0])
     state.overlap[0] = 0.1

@@ -1,4 +1,4 @@
-"""Tests of the scales of a chain: contacts that stay touching, and default steps."""
+"""Tests of the scales of a chain: its default step, and the contacts that stay at overlap 0."""
 
 import math
 
@@ -18,14 +18,17 @@ LAWS = [step_force(1.6), HARD, step_force(1.6)]
         (Chain([1.0] * 4, LAWS), START, [False, True, False]),
         (Chain([1.0] * 4, [hertz(100.0), draft_gear(1e5, 0.1), hertz(100.0)]), START, [False, True, False]),
         (Chain([1.0] * 3 + [math.inf], [hertz(100.0), HARD, HARD]), START, [False, True, True]),
-        (Chain([1.0] * 4, [HARD, LAWS[0], HARD]), START, [False, False, False]),  # The striker hits a hard contact.
-        (Chain([1.0] * 4, LAWS, gap=[0.0, 0.1, 0.0]), START, [False] * 3),  # The beads of the hard contact meet.
-        # The beads of the hard contact approach from the start.
+        (Chain([1.0] * 4, [HARD, LAWS[0], HARD]), START, [False, False, False]),  # A bead hits the hard contact.
+        # The beads of the hard contact collide with each other.
+        (Chain([1.0] * 4, LAWS, gap=[0.0, 0.1, 0.0]), START, [False] * 3),
+        # The beads of the hard contact approach each other from the start.
         (Chain([1.0] * 4, LAWS), [1.0, 1.0, 0.0, 0.0], [False] * 3),
-        (Chain([1.0] * 4, [hooke(1e9), HARD, hooke(1e9)]), START, [False] * 3),  # The other contacts push harder.
+        # The other contacts push with larger forces.
+        (Chain([1.0] * 4, [hooke(1e9), HARD, hooke(1e9)]), START, [False] * 3),
         (Chain([1.0] * 4, LAWS, drive=[9e3, 0.0, 0.0, 0.0]), START, [False] * 3),
         (Chain([1.0] * 4, LAWS, friction=0.1), START, [False] * 3),
-        (Chain([math.inf, 1.0, 1.0, math.inf], LAWS), START, [False] * 3),  # Moving walls can do any amount of work.
+        # Moving walls can do any amount of work on the beads.
+        (Chain([math.inf, 1.0, 1.0, math.inf], LAWS), START, [False] * 3),
         (Chain([1.0] * 4, HARD), [0.0] * 4, [False] * 3),
     ],
 )
@@ -37,9 +40,11 @@ def test_contacts_that_stay_touching(chain, velocity, stays):
 
 
 def test_a_contact_that_stays_touching_does_not_shorten_the_default_step():
-    """Check a preload of 4.8 kN among contacts of 1.6 N. The run took 1e7 steps."""
+    """Check a contact with a preload of 4.8 kN next to contacts with forces of 1.6 N. In an earlier version, the run
+    took 1e7 steps.
+    """
     chain = Chain([1.0] * 4, LAWS)
-    # With explicit methods this contact chatters, and in live motion a user can press it.
+    # With explicit methods the hard contact chatters. In a live motion, a user can press the contact.
     assert default_step(chain, START) < 1e-6
     assert default_step(chain, START, touching=True) > 1e-4
     found = simulate(chain, START, method="conserving", samples=2)

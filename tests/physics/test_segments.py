@@ -1,4 +1,6 @@
-"""Contacts as tables of segments: each method follows the same graph, its ledger closes, and wrong graphs are refused."""
+"""Tests of contacts that are tables of segments. All methods must follow the same graph, the energy balance must be
+correct, and wrong graphs must be rejected.
+"""
 
 import math
 
@@ -19,7 +21,9 @@ ELASTIC = Coupler(Contact(0.3, 3.0, 1.3), pull=Contact(0.2, 2.0, 1.5), slack=0.1
 
 
 def accuracy(method: str) -> float:
-    """What a method with the steps and tolerances of this file may be off by, relative to the speed, the force or the energy."""
+    """Return the allowed error of `method` with the steps and tolerances of this file. The error is relative to the
+    speed, the force or the energy.
+    """
     found = find_method(method)
     return 1e-7 if found.adaptive else {1: 1e-2}.get(found.order, 1e-3)
 
@@ -30,7 +34,9 @@ def motion(chain: Chain, velocity: list[float], duration: float, method: str, st
 
 @pytest.mark.parametrize("method", CARRY)
 def test_a_contact_with_a_largest_force_against_its_closed_form(method):
-    """A preloaded spring up to the largest force, then a constant one; the ledger has a potential energy to account for."""
+    """Compare a contact with a largest force with its closed form. The contact is a preloaded spring up to this force
+    and then a constant force. The energy balance must include its potential energy.
+    """
     preload, stiffness, most, speed = 0.2, 2.0, 1.0, 2.0
     crush = LargestForce(draft_gear(stiffness, preload / stiffness), most=most)
     way = (most - preload) / stiffness
@@ -39,7 +45,8 @@ def test_a_contact_with_a_largest_force_against_its_closed_form(method):
     first = (math.atan2(swing * (way + begin), at_yield) - math.atan2(swing * begin, speed)) / swing
     turn, error = first + at_yield / most, accuracy(method)
     found = motion(Chain([1.0, math.inf], crush), [speed, 0.0], 2.5 * turn, method)
-    assert found.overlap[80, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=error)  # sample 80 is at the turn
+    # Sample 80 is at the turning point.
+    assert found.overlap[80, 0] == pytest.approx(way + at_yield**2 / 2.0 / most, abs=error)
     assert found.force.max() == pytest.approx(most, abs=1e-12)
     assert found.velocity[80, 0] == pytest.approx(0.0, abs=error)
     assert found.final_velocity[0] == pytest.approx(-speed, abs=error)
@@ -53,7 +60,9 @@ def test_a_contact_with_a_largest_force_against_its_closed_form(method):
 @pytest.mark.parametrize("link", [LINK, ELASTIC], ids=["with loss", "elastic"])
 @pytest.mark.parametrize("method", CARRY)
 def test_a_coupler_with_slack_and_stop_does_the_same_by_each_method(method, link):
-    """Pushed into its stop, out through the slack, and pulled into the other stop."""
+    """Check that all methods agree on a coupler with slack and stops. The coupler is pushed into its stop, moves back
+    through the slack, and is pulled into the other stop.
+    """
     chain, velocity = Chain([1.0, 1.5, 1.0], link, gap=[0.0, 0.05]), [3.0, 0.0, -1.0]
     if refusal_of(method, chain):
         assert link.loss
@@ -77,28 +86,32 @@ def test_a_user_defined_law_that_is_a_power_law_moves_as_one(method, law):
     velocity = [1.0, 0.0, 0.0]
     own = OwnLaw(lambda overlap: law.preload + law.stiffness * overlap**law.exponent)
     plain, found = (motion(one_on(2, contact), velocity, 2.0, method) for contact in (law, own))
-    error = 1e-6 if find_method(method).adaptive else 1e-9  # of fixed steps the two are alike step by step
+    error = 1e-6 if find_method(method).adaptive else 1e-9  # With fixed steps the two motions agree at each step.
     np.testing.assert_allclose(found.velocity, plain.velocity, atol=error)
     np.testing.assert_allclose(found.ledger, plain.ledger, atol=error)
 
 
 @pytest.mark.parametrize("method", [name for name in CARRY if find_method(name).dissipative])
 def test_a_contact_of_two_stages_dissipates_its_part_of_the_energy(method):
-    """The example of the documentation: a wall throws a body back with sqrt(1 - loss) of its speed, from the deepest overlap."""
+    """Check the example of the documentation. A body bounces off a wall with sqrt(1 - loss) of its speed. The largest
+    overlap is checked as well.
+    """
     buffer, speed = TwoStageBuffer(soft=1.0, hard=10.0, change=0.5, hysteresis=0.36), 2.0
     found = motion(Chain([1.0, math.inf], buffer), [speed, 0.0], 3.0, method)
     depth = (
         0.5 + (math.sqrt(0.25 + 10.0 * (speed**2 - 0.25)) - 0.5) / 10.0
-    )  # soft change²/2 + force x + hard x²/2 = v²/2
+    )  # Solution of soft change²/2 + force x + hard x²/2 = v²/2.
     error = accuracy(method)
-    assert found.overlap.max() == pytest.approx(depth, abs=1e-3)  # between samples
+    assert found.overlap.max() == pytest.approx(depth, abs=1e-3)  # The largest overlap is between two samples.
     assert found.final_velocity[0] == pytest.approx(-0.8 * speed, abs=error)
     assert found.absorbed_by_contacts[-1] == pytest.approx(0.36 * 0.5 * speed**2, abs=2.0 * error)
     np.testing.assert_allclose(found.ledger, found.ledger[0], rtol=error)
 
 
 def test_one_segment_is_the_contact_itself():
-    """A graph of one power law takes no other way through the kernels: the motion is bitwise the same."""
+    """Check that a graph with a single power law gives bitwise the same motion as the power law. The kernels treat both
+    in the same way.
+    """
     contact = Contact(0.1, 3.0, 1.5)
     rows = SegmentTable(contact.segments)
     for method in CARRY:

@@ -1,5 +1,5 @@
-"""Tests of trajectories on disk: equal after reading, readable without softcradle, and written completely or not at
-all.
+"""Tests of trajectories on disk. A trajectory must be equal after reading, and readable without softcradle. A file must
+be written completely or not at all.
 """
 
 import json
@@ -54,7 +54,7 @@ def test_any_numbers_and_texts_are_read_back_equal(data, tmp_path_factory):
         warnings=tuple(data.draw(st.lists(warning, max_size=2))),
     )  # fmt: skip
     path = tmp_path_factory.mktemp("any") / "one.npz"
-    with np.errstate(all="ignore"):  # Positions are sums of arbitrary numbers here, so they can overflow.
+    with np.errstate(all="ignore"):  # The positions in this test are sums of arbitrary numbers, so they can overflow.
         made.save(path)
     assert_equal(Trajectory.load(path), made)
 

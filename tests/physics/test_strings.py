@@ -1,5 +1,5 @@
-"""Tests of beads on strings: closed forms of two beads, energy, symmetry, limits, the published motion of a cradle with losses,
-and what methods refuse.
+"""Tests of beads on strings. The tests compare two beads with closed forms, and a cradle with losses with its published
+motion. They also check energy, symmetry, limits, and the chains that methods reject.
 """
 
 import math
@@ -32,7 +32,7 @@ ADAPTIVE = ("accurate", "radau", "dop853", "scipy")
 LENGTH, SPEED = 0.1, 0.3
 OMEGA = math.sqrt(9.80665 / LENGTH)
 PERIOD = 2.0 * math.pi / OMEGA
-# A cradle whose contacts last about a hundredth of a swing.
+# Cradle whose contacts last about a hundredth of a swing.
 BALLS = Chain([0.1] * 5, hertz(3e5), strings=LENGTH)
 
 
@@ -55,10 +55,10 @@ def test_a_ball_that_touches_nothing_swings_as_a_cosine(method):
 
 
 def closed_form(chain: Chain, time: float) -> tuple[float, float]:
-    """Return the velocities of two equal beads with a Hooke contact, of which the first starts at SPEED.
+    """Return the velocities of two equal beads with a Hooke contact. The first bead starts at SPEED.
 
-    The overlap is half a sine of the frequency sqrt(2 k/m + omega²) while the contact is closed, and half a sine of omega
-    while it is open. The centre of mass swings freely.
+    While the contact is closed, the overlap is half a sine with the angular frequency sqrt(2 k/m + omega²). While the
+    contact is open, it is half a sine with the angular frequency omega. The centre of mass swings freely.
     """
     (law, *_), mass = chain.power_laws, chain.mass[0]
     omega = math.sqrt(chain.swing)
@@ -77,17 +77,17 @@ def test_two_balls_exchange_their_momentum_as_in_closed_form(method):
     for swings in (0.25, 0.9, 5.37):
         found = simulate(chain, [SPEED, 0.0], swings * PERIOD, method, samples=2, tolerance=1e-9)
         assert found.final_velocity == pytest.approx(closed_form(chain, swings * PERIOD), abs=1e-8 * SPEED)
-    # Just after the first blow the second ball has the momentum of the first.
+    # Just after the first collision the second ball has the momentum of the first ball.
     struck = simulate(chain, [SPEED, 0.0], 0.01 * PERIOD, method, samples=2).final_velocity
     assert struck == pytest.approx([0.0, SPEED], abs=0.01 * SPEED)
 
 
 @pytest.mark.parametrize(("method", "order"), [("euler", 1), ("verlet", 2), ("yoshida4", 4), ("conserving", 2)])
 def test_fixed_steps_converge_with_their_order(method, order):
-    chain = Chain([1.0, 1.0], hooke(100.0), gap=-0.02, strings=LENGTH)  # never opens
+    chain = Chain([1.0, 1.0], hooke(100.0), gap=-0.02, strings=LENGTH)  # This contact never opens.
     end, steps = 0.7, np.array([200, 400])
     swing = OMEGA**2 + 200.0
-    # d swings about the overlap at which string and contact balance
+    # The overlap oscillates about the value at which the strings and the contact are in balance.
     middle = 0.02 * OMEGA**2 / swing
     exact = (0.02 - middle) * math.cos(math.sqrt(swing) * end)
     found = [
@@ -141,7 +141,9 @@ def test_very_long_strings_are_as_good_as_none(method):
 
 
 def relative_energy(found: Trajectory) -> np.ndarray:
-    """Return (T,) the share of the energy in the motion of beads relative to their centre of mass."""
+    """Return the share of the energy in the motion of the beads relative to their centre of mass, as an array of shape
+    (T,).
+    """
     mass = np.array(found.chain.mass)
     parts = []
     for values, factor in ((found.velocity, 1.0), (found.position - found.position[0], found.chain.swing)):
@@ -151,17 +153,18 @@ def relative_energy(found: Trajectory) -> np.ndarray:
 
 
 def test_balls_with_losses_end_up_swinging_together():
-    """Hutzler, Delaney, Weaire and MacLeod, "Rocking Newton's cradle", Am. J. Phys. 72, 1508 (2004): losses of the contacts damp
-    the motion of the balls relative to each other, until all balls swing in phase.
+    """Check that all balls of a cradle with losses swing in phase at the end. The losses of the contacts damp the
+    motion of the balls relative to each other. See Hutzler, Delaney, Weaire and MacLeod, "Rocking Newton's cradle",
+    Am. J. Phys. 72, 1508 (2004).
     """
     steel = Chain([0.1] * 5, Contact(0.0, 3e5, 1.5, loss=0.1), strings=LENGTH)
     found = simulate_quietly(
         steel, [-SPEED, 0.0, 0.0, 0.0, 0.0], 60 * PERIOD, "conserving", step=PERIOD / 2000, samples=601
     )
     share = relative_energy(found)
-    assert share[0] == pytest.approx(0.8)  # one ball of five: 1 - 1/5
+    assert share[0] == pytest.approx(0.8)  # One of five balls moves, so the share is 1 - 1/5.
     assert share[-100:].max() < 1e-3
-    # The common swing of all balls does not lose energy, so a fifth of the energy is left.
+    # The common swing of all balls does not lose energy, so a fifth of the energy remains.
     left = (found.kinetic_energy + found.string_energy)[-1] / found.kinetic_energy[0]
     assert left == pytest.approx(0.2, rel=1e-3)
     assert np.ptp(found.ledger) < 1e-10 * found.ledger[0]
@@ -200,7 +203,7 @@ def test_live_frames_follow_the_whole_motion(method):
     chain, state, frames = BALLS, State.at_start(BALLS, [-SPEED] + [0.0] * 4), 80
     whole = simulate(chain, [-SPEED] + [0.0] * 4, 1.3 * PERIOD, method, samples=2)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # frames have a larger estimated error
+        warnings.simplefilter("ignore", RuntimeWarning)  # The estimated error of live frames is larger.
         for _ in range(frames):
             advance(chain, state, 1.3 * PERIOD / frames, method)
     assert state.velocity(chain) == pytest.approx(whole.final_velocity, abs=2e-5 * SPEED)
@@ -208,7 +211,9 @@ def test_live_frames_follow_the_whole_motion(method):
 
 
 def test_a_frame_at_a_turning_point_has_a_step_for_the_blow():
-    """At a turning point all velocities are 0, so they do not show how fast the beads will meet."""
+    """Check the step of a frame that begins at a turning point. All velocities are 0 at this time, so they do not
+    determine how fast the beads will collide.
+    """
     state = State.at_start(BALLS, [-SPEED] + [0.0] * 4)
     advance(BALLS, state, 0.25 * PERIOD, "accurate")
     assert np.abs(state.velocity(BALLS)).max() < 1e-6 * SPEED
@@ -262,7 +267,7 @@ def test_runs_that_are_refused():
 
 @pytest.mark.parametrize("method", ["conserving", "verlet"])
 def test_couplers_on_strings(method):
-    """Two wagons on strings whose coupler pulls: the reference agrees."""
+    """Compare two wagons on strings with the reference. The coupler between the wagons pulls."""
     chain = Chain([1.0, 2.0], Coupler(hooke(1e3), hooke(5e2), slack=0.01, coupled=True), strings=LENGTH)
     found = simulate(chain, [-SPEED, 0.0], 0.6 * PERIOD, method, step=1e-5, samples=2)
     true = simulate(chain, [-SPEED, 0.0], 0.6 * PERIOD, "scipy", samples=2)

@@ -58,8 +58,9 @@ def test_given_sample_times_are_those(method):
     assert found.time.tolist() == times
     assert found.position[1].tolist() == found.position[2].tolist()
     fine = simulate(CRADLE, START, 2.0, method, samples=2001)
-    assert found.final_velocity.tolist() == fine.final_velocity.tolist()  # The samples do not change the path.
-    for k, time in enumerate(times):  # A sample lies on the path through its neighbours.
+    # The choice of samples does not change the motion.
+    assert found.final_velocity.tolist() == fine.final_velocity.tolist()
+    for k, time in enumerate(times):  # Each sample lies on the curve through the neighbouring samples.
         expected = [np.interp(time, fine.time, fine.position[:, i]) for i in range(5)]
         assert found.position[k] == pytest.approx(expected, abs=2e-5)
 
@@ -93,7 +94,7 @@ def test_a_run_without_duration_is_the_start(method):
 
 
 @pytest.mark.parametrize("duration", [None, 4.0])
-@pytest.mark.parametrize("name", sorted({*NAMES} - {"scipy"}))  # Method `scipy` repeats the last state and warns.
+@pytest.mark.parametrize("name", sorted({*NAMES} - {"scipy"}))  # The method `scipy` repeats the last state and warns.
 def test_a_run_that_gives_up_has_samples_as_far_as_it_got(name, duration):
     found = solve(CRADLE, START, duration, name, samples=50, most_steps=30)
     assert found.status.gave_up
@@ -111,7 +112,7 @@ def test_a_gap_is_flown_through_freely(method):
     touching = simulate(Chain([1.0, 1.0], hertz(1.0)), [0.5, 0.0], method=method)
     assert opened - closed == pytest.approx(touching.contact_intervals[0][0][1], abs=0.02)
     assert found.final_velocity == pytest.approx(touching.final_velocity, abs=1e-4)
-    assert found.evaluations < 1.5 * touching.evaluations  # The flight costs almost nothing.
+    assert found.evaluations < 1.5 * touching.evaluations  # The free flight needs almost no evaluations.
 
 
 @pytest.mark.parametrize("method", [method.name for method in LIVE])
@@ -141,15 +142,15 @@ def test_any_step_duration_and_samples_go_together(method, duration, step, parts
     assert ended.velocity[-1] == pytest.approx(found.final_velocity, abs=1e-12)
 
 
-# Samples of a run without a duration must equal those of the same motion with a known duration. All methods except
-# pymunk compute them from stored steps.
+# Motions of runs without a duration. Their samples must equal the samples of the same motion with a given duration. All
+# methods except pymunk compute samples from stored steps.
 ENDED = {name: (case.chain, case.velocity) for name, case in CASES.items() if case.duration is None}
 ENDED["over at once"] = Chain([1.0, 1.0, 1.0], hooke(1.0), gap=0.1), [-1.0, 0.0, 0.0]
 ADAPTIVE = [name for name, _ in runs([name for name in CASES if name in ENDED], ("accurate",))]
 for name, chain in (("gears in a row", one_on(10, draft_gear(1.0, 0.1))), ("spheres in a row", one_on(20, hertz(1.0)))):
     ENDED[name] = chain, struck(chain)
     ADAPTIVE.append(name)
-# Allowed difference between the steps of a run and of a run with a known end.
+# Allowed difference between a run without a duration and a run with a given duration. The steps of the two runs differ.
 APART = {"accurate": 5e-9, "scipy": 1.5e-8}
 SAMPLED = [*runs([name for name in CASES if name in ENDED], [one.name for one in FIXED_STEP])]
 SAMPLED += [*(("over at once", one.name) for one in FIXED_STEP), *((name, "accurate") for name in ADAPTIVE)]
@@ -169,13 +170,14 @@ def test_a_run_to_its_end_has_the_samples_of_one_with_this_duration(name, method
     for row in ROWS:
         scale = 1.0 + np.abs(getattr(known, row)).max()
         assert getattr(found, row) == pytest.approx(getattr(known, row), abs=APART.get(method, 1e-12) * scale)
-    if method == "accurate":  # At the end itself, the last contact has just opened or is about to open.
+    if method == "accurate":  # At the end of the run, the last contact has just opened or is about to open.
         assert found.force[:-1] == pytest.approx(known.force[:-1], rel=1e-6, abs=1e-6)
 
 
 def test_samples_cost_no_second_run(monkeypatch):
     chain, velocity = ENDED["gears on straws"]
-    simulate_quietly(chain, velocity, method="verlet", samples=50)  # The first run of a process also loads kernels.
+    # The first run of a process also spends time on loading kernels.
+    simulate_quietly(chain, velocity, method="verlet", samples=50)
     counted = Mock(wraps=fixed_step._pass)
     monkeypatch.setattr(fixed_step, "_pass", counted)
     assert len(simulate_quietly(chain, velocity, method="verlet", samples=50).time) == 50
@@ -186,7 +188,7 @@ def test_samples_cost_no_second_run(monkeypatch):
 def test_the_clock_of_a_run_counts_its_samples_too(module, method):
     chain, velocity = ENDED["gears on straws"]
     record = module.run(Problem(chain, State.at_start(chain, velocity), method, None, 0.01, samples=50))
-    # For pymunk, `simulate` measures the time. The inner clock counted only the samples.
+    # For pymunk, `simulate` measures the time, because the clock inside the run counts only the samples.
     assert (record.seconds == 0.0) == (method == "pymunk")
 
 
@@ -202,7 +204,7 @@ def test_a_run_that_waits_for_kernels_does_not_count_that_as_its_cost(monkeypatc
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_samples_cost_no_second_run_of_an_adaptive_method(name, monkeypatch):
     kernels, counted, begun = runner.KERNELS, Mock(wraps=runner.integrate), []
-    kernels.load_made()  # each kernel is called once as it is loaded
+    kernels.load_made()  # Each kernel is called once when it is loaded.
     monkeypatch.setattr(runner, "integrate", counted)
     monkeypatch.setattr(kernels, "of", lambda kernel, work=0.0: kernel)
     for samples in (2, 50):

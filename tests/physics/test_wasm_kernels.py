@@ -1,4 +1,6 @@
-"""Tests of the kernels for browsers: the contents of the file, and the same digits as plain Python."""
+"""Tests of the kernels for browsers. The tests check the contents of the WebAssembly file. Its results must be bitwise
+equal to plain Python.
+"""
 
 from importlib.util import find_spec
 from io import BytesIO
@@ -12,9 +14,9 @@ from tools.same_digits import TIERS, TIERS_HERE, compare, frames, motions
 from tools.wasm_kernels import FILE
 from tools.wasm_runner import RUNNERS, WasmKernels, installed
 
-FRAMES = 150  # Frames of the viewer. In this time the beads meet and push each other.
+FRAMES = 150  # Number of frames of the viewer. During these frames the beads meet and push each other.
 
-# Sections of a module, and the operands of instructions in WebAssembly of 2017.
+# Numbers of the sections of a module, and operands of the instructions in the WebAssembly version of 2017.
 IMPORTS, CODE, DATA = 2, 10, 11
 NUMBERS = dict.fromkeys([12, 13, 16, *range(0x20, 0x25), 0x41, 0x42], 1) | dict.fromkeys([17, *range(0x28, 0x3F)], 2)
 BYTES = dict.fromkeys([2, 3, 4, 0x3F, 0x40], 1) | {0x43: 4, 0x44: 8}
@@ -22,7 +24,7 @@ TABLE_JUMP, LAST = 14, 0xBF
 
 
 class Reader(BytesIO):
-    """A reader of the bytes of a module."""
+    """A reader of the bytes of a WebAssembly module."""
 
     def number(self) -> int:
         """Read a whole number in LEB128 format: seven bits per byte, and the last byte is below 128."""
@@ -32,7 +34,7 @@ class Reader(BytesIO):
 
 def instructions(body: bytes) -> list[int]:
     reader, found = Reader(body), []
-    for _ in range(reader.number()):  # Local variables: their number and type.
+    for _ in range(reader.number()):  # Each entry contains the number and the type of local variables.
         reader.number()
         reader.read(1)
     while code := reader.read(1):
@@ -46,7 +48,7 @@ def instructions(body: bytes) -> list[int]:
 def test_the_wasm_file_is_small_and_portable():
     content = FILE.read_bytes()
     assert content[:8] == b"\0asm\1\0\0\0"
-    assert len(content) < 64_000  # A page contains the file as base64 text, which is a third longer.
+    assert len(content) < 64_000  # A web page contains the file as base64 text, which is a third longer.
     reader, sections = Reader(content[8:]), {}
     while kind := reader.read(1):
         sections[kind[0]] = reader.read(reader.number())
@@ -58,7 +60,7 @@ def test_the_wasm_file_is_small_and_portable():
 
 @pytest.fixture(scope="module")
 def kernels():
-    """Run the file in Node, or otherwise in a browser."""
+    """Run the WebAssembly file in Node. If Node is not available, run it in a browser."""
     runner = next(filter(installed, RUNNERS), None)
     if runner is None:
         pytest.skip("neither Node nor a browser is installed")
@@ -81,7 +83,8 @@ def test_its_digits_are_those_of_plain_python(name, kernels, plainly):
     found = frames(motions()[name], FRAMES, kernels.advance)
     assert found.tobytes() == plainly[name].tobytes()
     chain = motions()[name][0]
-    assert (found[:, 3 + 2 * chain.contacts : 3 + 3 * chain.contacts] > 0.0).any()  # The contacts have pushed.
+    # Some contacts have pushed in the simulated time.
+    assert (found[:, 3 + 2 * chain.contacts : 3 + 3 * chain.contacts] > 0.0).any()
 
 
 @pytest.mark.slow

@@ -1,4 +1,6 @@
-"""Tests of wrong arguments: each raises a ValueError with one sentence that names the argument, without internal names."""
+"""Tests of wrong arguments. Each wrong argument must raise a ValueError with one sentence that contains the name of the
+argument. The sentence must not contain internal names.
+"""
 
 import math
 import warnings
@@ -26,7 +28,7 @@ ONES, WALLED = np.ones((3, 3)), [[math.inf, 1, math.inf]]
 BATCH = ChainBatch(ONES, 0.0, 1.0, 0.5)
 CONTACT = SoftContact(*BODIES[:2], (0, 0), (0, 0), 1, LAW)
 STILL = [pymunk.Body(body_type=kind) for kind in (pymunk.Body.STATIC, pymunk.Body.KINEMATIC)]
-PAIR = BODY, (0, 0), (0, 0), 1, LAW  # All arguments of a SoftContact except the first body.
+PAIR = BODY, (0, 0), (0, 0), 1, LAW  # All arguments of SoftContact except the first body.
 ROW = SoftChain(BODIES, LAW, 1)
 GEAR = draft_gear(2.0, 0.1, loss=0.1)
 RUBS, TRAIN = Chain([1, 1], hertz(1.0), friction=0.1), Chain([1, 1], Coupler(LAW, LAW))
@@ -212,7 +214,8 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "batch: a depth": (lambda: ensemble_ends(ChainBatch(ONES, 0, 1e-30, 1e-3), [1e30, 0, 0]), "would be pressed by about"),
     "own law: no number": (
         lambda: simulate(Chain([1] * 4, lambda d: d if d < 0.72 else math.nan), [0.5, 0.5, -0.5, -0.5], method="verlet"),
-        "gave no number in the course of the motion",  # Two beads press further than a single bead would.
+        # Two beads together press the contact further than a single bead would.
+        "gave no number in the course of the motion",
     ),
     "own law: a pull": (lambda: simulate(Chain([1, 1], lambda d: d - 0.1), [1, 0]), "the force -0.1 N .* only pushes"),
     "own law: a weak law": (lambda: simulate(Chain([1, 1], lambda d: math.exp(-d)), [9, 0]), "never stores the energy"),
@@ -240,7 +243,9 @@ def test_a_mistake_is_named(mistake, sentence):
 @pytest.mark.parametrize("method", ["accurate", "conserving"])
 @pytest.mark.parametrize("seed", range(20))
 def test_accepted_chains_give_finite_results(method, seed):
-    """Draw numbers over 20 orders of magnitude. The motion must be finite, or the run must report that it gave up."""
+    """Simulate chains with random numbers over 20 orders of magnitude. The result must be finite, or the run must
+    report that it stopped early.
+    """
     draw = np.random.default_rng(seed)
     f0, mass, speed = 10.0 ** draw.uniform(-10.0, 10.0, 3)
     alpha = 10.0 ** draw.uniform(math.log10(LEAST_EXPONENT), math.log10(MOST_EXPONENT))

@@ -308,7 +308,7 @@ def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch)
 def test_no_error_of_a_return_at_rest_is_silent(seed):
     """Check a bead at a wall on a preloaded spring, driven by a force just above the preload.
 
-    After each period the bead is at rest at d = 0, where the contact force jumps. A velocity error e before this point
+    After each period the bead is at rest at d = 0, and the contact force jumps. A velocity error e before this point
     becomes a velocity error sqrt(e) after it.
     """
     draw = np.random.default_rng(seed)

@@ -290,7 +290,7 @@ def test_a_wave_conserves_energy_momentum_and_order(n, unequal, tolerance, metho
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_box_that_is_driven_ends_as_by_conserving(method, seed):
-    """Compare the final state with that of the method conserving. Some external forces are smaller than the preload.
+    """Compare the final state with the result of the method conserving. Some external forces are smaller than the preload.
     Larger forces make contacts yield.
     """
     draw = np.random.default_rng(seed)

@@ -125,7 +125,7 @@ EVENTS = [
     (GEAR, -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
     (hooke(2.0), -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
     (Contact(0.5, 1.0, 0.5), -1.0, 0.3, LOADED, 0.8, "opens", (math.sqrt(1.0 + 2.0 * 0.8 * 0.3) - 1.0) / 0.8),
-    # A law without preload that is not linear has no force below overlap 0.
+    # A law without preload that is not linear gives a force only above overlap 0.
     (hertz(2.0), -1.0, 0.3, LOADED, 0.8, "nothing", H),
     (power_law(2.0, 0.5), -1.0, 0.3, LOADED, 0.8, "nothing", H),
     # The contact force is between 0 and 0.8 N.

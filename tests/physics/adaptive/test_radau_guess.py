@@ -56,7 +56,7 @@ def test_guesses():
 def test_only_resting_contacts_without_preload_are_pushed():
     """Check a contact between two contacts that push, and a contact under an external force.
 
-    The guess pushes a contact only if it is at rest at overlap 0 and has no preload. Other contacts keep their rate. A
+    The guess pushes a contact only if it is at rest at overlap 0 without a preload. Other contacts keep their rate. A
     soft contact with the overlap 1e-300 m keeps its overlap and force.
     """
     for law in (hooke(3.0), hertz(4.0), SOFT, Contact(1.0, 2.0, 0.5), draft_gear(2.0, 0.4)):
@@ -114,7 +114,7 @@ def test_the_onset_belongs_to_the_contact_that_pushes_most():
     assert time_since_onset(law, mode, overlap, np.array([0.1, 1.0, 0.1]), force) == pytest.approx(0.04)
     assert time_since_onset(law, mode, overlap, np.array([0.1, 0.0, 0.1]), force) == pytest.approx(0.1)
     assert time_since_onset(law, np.full(3, OPEN), overlap, rate, force) == 1e30
-    # In these cases the third contact pushes with more force. It must not be counted, because it is not soft or has no
+    # In these cases the third contact pushes with more force. It must not be counted, because it is not soft or does not
     # overlap.
     for row, d in (([0.0, 2.0, 1.0], 0.5), ([0.8, 2.0, 0.5], 0.0), ([1.8, 2.0, 0.5], -0.5)):
         law[2], overlap[2] = row, d
@@ -148,8 +148,8 @@ def test_a_soft_contact_that_will_be_apart_within_the_step_flies_there():
 def test_contacts_at_rest_are_pushed_one_after_another(first, h):
     """Check a bead between a loaded contact and a contact at rest. The loaded contact is on its left or on its right.
 
-    The guess moves the bead freely under the force of the loaded contact. It ends where the other contact balances four
-    fifths of this force.
+    The guess moves the bead freely under the force of the loaded contact. The free motion ends when the other contact
+    balances four fifths of this force.
     """
     data, motion = pressed(Chain([1.0, 2.0, 2.0, 1.0], hertz(5.0)), [0.0] * 4, 0.3 * np.eye(3)[first])
     found = guessed(h, data, motion)

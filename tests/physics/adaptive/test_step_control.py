@@ -82,7 +82,7 @@ def test_a_step_that_ends_at_its_event_stands(miss):
 
 
 def test_an_event_that_has_gone_is_no_target():
-    """Check an event that is no longer in the step, because the guard function of the target has no root. The attempt
+    """Check an event that no longer lies in the step. The guard function of the target stays positive. The attempt
     counts, and the next event is a target again.
     """
     target = Target(0, 0, 3, 2.0 * H)

@@ -86,7 +86,7 @@ def test_the_wanted_error_holds_on_chains_it_was_not_made_for(chain, speed, dura
         (Chain([1, 1, 1e-5, 1], SOFT), 6.0, 1e-2, "accurate", "far more fixed steps"),
         (Chain([5e5, 2e5, 1.6, 5e-6, 0.36], [hertz(9.0), hertz(0.2), SOFT, hertz(80.0)]), 6.0, 1e-3, "accurate", "far more"),
         (Chain([1, 1, 1e-4, 1], hertz(100.0)), 6.0, 1e-3, "accurate", "far more fixed steps"),
-        # The beads fly freely, which takes no computing time.
+        # The beads fly freely, which hardly takes computing time.
         (Chain([1, 1, 0.2, 1], hertz(100.0)), 1e6, 1e-3, "conserving", "exact at any step"),
         # The draft gear never yields in this motion.
         (Chain([1] * 4, [SOFT, draft_gear(1e6, 1.0), SOFT]), 9.0, 1e-3, "conserving", "exact at any step"),

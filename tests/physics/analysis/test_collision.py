@@ -29,7 +29,7 @@ def test_against_the_truth(case):
     mass = np.array(case.chain.mass)
     passed = [(mass * (case.final - case.start))[k + 1 :].sum() for k in range(case.chain.contacts)]
     assert [c.momentum for c in found.contacts] == pytest.approx(passed, rel=1e-7)
-    # The share 1 - e**2 of the approach energy stays inside the clusters, where e is the coefficient of restitution. If
+    # Let e be the coefficient of restitution. The share 1 - e**2 of the approach energy stays inside the clusters. If
     # there is only one striker, all of this energy is in the target cluster.
     strikers = case.struck + 1
     first, second = mass[:strikers].sum(), mass[strikers:].sum()

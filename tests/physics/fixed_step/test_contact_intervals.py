@@ -46,7 +46,7 @@ def first_closings(chain: Chain, velocity: np.ndarray, duration: float, method: 
 def test_first_closings_are_those_of_the_reference(seed):
     """Compare the first closing times with the reference.
 
-    Explicit steps have no force at overlap 0, so contacts with a preload that start at overlap 0 close late. Chains
+    Explicit steps use a force of 0 at overlap 0, so contacts with a preload that start at overlap 0 close late. Chains
     with a preload are therefore tested only with the method conserving.
     """
     chain, velocity, duration = random_chain(seed)

@@ -182,7 +182,7 @@ def test_the_resolvent_solves_its_equation(law, start, weight, s, guess):
 
 
 def test_a_failure_to_converge_is_returned():
-    """Check that `solve_contacts` returns a negative count if the equations have no solution. The matrix in this test
+    """Check that `solve_contacts` returns a negative count if the equations cannot be solved. The matrix in this test
     does not belong to any chain.
     """
     n = 2

@@ -1,5 +1,5 @@
 """Tests of the method `pymunk`, which simulates bodies in a pymunk Space. Results, steps and contact changes must be
-bitwise equal to those of the method `euler`.
+bitwise equal to the ones of the method `euler`.
 """
 
 import math

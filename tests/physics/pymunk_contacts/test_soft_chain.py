@@ -422,7 +422,7 @@ def test_a_solver_error_reaches_the_caller_once(monkeypatch):
 
 def test_a_link_takes_no_force_of_its_own():
     """Check that a link rejects the attributes of a pymunk spring. These attributes would violate the energy balance or
-    have no effect.
+    be ignored.
     """
     space, bodies, chain = chain_row(hertz(1e4), gap=0.1)
     of_a_spring = ("stiffness", "damping", "rest_length", "anchor_a", "anchor_b", "max_force", "force_func")
