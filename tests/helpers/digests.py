@@ -1,4 +1,5 @@
-"""Hashes of the engine's results: every scene frame by frame and random chains as they are solved, with every method.
+"""Hashes of the results of the engine, with every method. The scenes are hashed frame by frame. Random chains are
+hashed after a whole run.
 
     python -m tests.helpers.digests            # list the results that differ from data/digests.json, the stored hashes
     python -m tests.helpers.digests --write    # rewrite data/digests.json after a change that is meant to change digits
@@ -30,19 +31,21 @@ Array = NDArray[np.float64]
 
 FILE = Path(__file__).parent / "data" / "digests.json"
 CHECKPOINTS = 12
-CONTACT_TIMES = 3.0  # Simulated time that is hashed, in contact times of the fastest contact.
-SEEDS = 20  # Number of random chains without dissipation, and also of random chains with friction and loss.
+CONTACT_TIMES = 3.0  # Simulated time that is hashed, as a multiple of the shortest contact time.
+# Number of random chains without dissipation. The number of random chains with friction and loss is the same.
+SEEDS = 20
 MOST_CONTACTS = 8
 STEPS = 600  # Number of steps of a run with a fixed step.
-# Methods whose digits differ on this platform.
+# Methods whose results differ on this platform.
 NOT_OURS = set() if platform.machine() in ("x86_64", "AMD64") else {"pymunk"}
 
 
 def motions() -> Iterator[tuple[str, Chain, Array, str]]:
-    """Yield name, chain, start velocities and method: every scene with every method that accepts its chain.
+    """Yield name, chain, start velocities and method of live motions. Every scene is combined with every method that
+    accepts its chain.
 
-    In live steps, dop853 is used only for chains without soft contacts. With soft contacts it resolves every
-    oscillation, which takes seconds.
+    The method dop853 is used only for chains without soft contacts. With soft contacts it resolves every oscillation,
+    which takes seconds.
     """
     for name in scenes.names():
         lane = scenes.load(name).lanes[0]
@@ -54,12 +57,14 @@ def motions() -> Iterator[tuple[str, Chain, Array, str]]:
 
 
 def states(chain: Chain, velocity: Array, method: str) -> Array:
-    """Return the (CHECKPOINTS, 2n+2) overlaps, rates, and the anchor's position and velocity, frame by frame."""
+    """Return the state after each frame as an array of shape (CHECKPOINTS, 2n+2). Each row contains the overlaps, the
+    rates, and the position and velocity of the anchor.
+    """
     speed = velocity if np.ptp(velocity) else np.eye(1, velocity.size)[0]
     frame = CONTACT_TIMES * float(contact_scales(chain, speed)[1].min()) / CHECKPOINTS
     state, rows = State.at_start(chain, velocity), []
     with warnings.catch_warnings():
-        # Explicit methods exceed their step limits here, which does not matter for a hash.
+        # Explicit methods exceed their step limits in these runs, which does not matter for a hash.
         warnings.simplefilter("ignore")
         for _ in range(CHECKPOINTS):
             advance(chain, state, frame, method)
@@ -68,13 +73,13 @@ def states(chain: Chain, velocity: Array, method: str) -> Array:
 
 
 def digest(rows: Array) -> str:
-    # Adding 0.0 turns -0.0 into 0.0, so that both have the same hash.
+    # Adding 0.0 turns -0.0 into 0.0. Both values then have the same hash.
     return hashlib.sha256((rows + 0.0).tobytes()).hexdigest()[:12]
 
 
 def runs() -> Iterator[tuple[str, Chain, Array, str]]:
-    """Yield name, chain, start velocities and method of runs of random chains. dop853 only gets chains without
-    dissipation.
+    """Yield name, chain, start velocities and method of runs of random chains. The method dop853 is used only for
+    chains without dissipation.
     """
     for seed in range(SEEDS):
         kinds = {"collision": random_collision(seed, MOST_CONTACTS), "rubbing": random_dissipative(seed)}
@@ -86,7 +91,9 @@ def runs() -> Iterator[tuple[str, Chain, Array, str]]:
 
 
 def solved(chain: Chain, velocity: Array, method: str) -> str:
-    """Return the hash of a run: samples, times of contact changes, final velocities and number of steps."""
+    """Return the hash of a run. It includes samples, times of contact changes, final velocities and the number of
+    steps.
+    """
     duration = CONTACT_TIMES * float(contact_scales(chain, velocity)[1].min())
     with np.errstate(all="ignore"):
         found = simulate_quietly(chain, velocity, duration, method, samples=33, **fineness(method, duration / STEPS))

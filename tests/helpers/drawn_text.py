@@ -1,5 +1,5 @@
-"""Record every text that the window and films draw, with its place. The function that draws all texts is patched for
-this.
+"""Record every text that the window and films draw, and the place of the text. The function that draws all texts is
+patched for this purpose.
 """
 
 import sys
@@ -18,7 +18,7 @@ from softcradle.scenes import Scene
 
 
 class DrawnText(NamedTuple):
-    """A text and its whole rectangle, including parts outside the clipping area of the surface."""
+    """A text and its rectangle, including parts outside the clipping area of the surface."""
 
     text: str
     rect: pygame.Rect
@@ -45,8 +45,8 @@ def drawn_texts(size: tuple[int, int]) -> Iterator[list[DrawnText]]:
 
 
 def colliding(texts: list[DrawnText]) -> list[tuple[str, str]]:
-    """Return the pairs of texts that overlap by more than the space between lines. Pairs of bead numbers are left out
-    because beads move.
+    """Return the pairs of texts that overlap by more than the space between lines. Pairs of bead numbers are left out,
+    because moving beads can overlap.
     """
     found = []
     for one, other in combinations(texts, 2):
@@ -65,7 +65,7 @@ def contrast(one: Sequence[int], other: Sequence[int]) -> float:
 def film_texts(
     scene: Scene, motions: Sequence[Motion], size: tuple[int, int], rows: Sequence[int]
 ) -> list[list[DrawnText]]:
-    """Return the texts of the film frames of the samples `rows`. In each list, the texts of the background come first."""
+    """Return the texts in the film frames of the samples `rows`. In each list, the texts of the background come first."""
     surface = pygame.Surface(size, 0, 32)
     with drawn_texts(size) as background:
         picture = Picture(scene, motions, size)

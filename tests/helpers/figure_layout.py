@@ -1,5 +1,5 @@
-"""Find faults in the layout of a matplotlib figure: small text, overlapping texts, text on a curve, text outside the
-figure.
+"""Find faults in the layout of a matplotlib figure. A fault is a text that is too small, overlaps another text or a
+curve, or lies outside the figure.
 """
 
 from itertools import combinations
@@ -12,14 +12,14 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-SCRIPT = 0.7  # Size of exponents and indices, as a fraction of the size of their text.
+SCRIPT = 0.7  # Size of exponents and indices, as a fraction of the size of the text that contains them.
 LEAST_SIZE = 6.0  # Smallest readable size of a text [points].
 TOUCH = 1.0  # Distance by which the boxes of two texts may overlap [points].
 
 
 def texts_of(figure: Figure) -> list[tuple[Text, Bbox]]:
-    """Return the texts that are really drawn, with their boxes [pixels]. Matplotlib also keeps tick labels that it does
-    not draw.
+    """Return the texts that matplotlib actually draws, with their boxes [pixels]. Tick labels that are not drawn are
+    left out.
     """
     drawn: dict[Text, None] = {}
     original = Text.draw
@@ -40,8 +40,8 @@ def texts_on_texts(figure: Figure) -> list[tuple[str, str]]:
 
 
 def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
-    """Return the texts of legend keys that a curve passes through, with the label of that curve. The curve would look
-    like the key.
+    """Return the texts of legend keys that a curve crosses, with the label of this curve. A reader could take such a
+    curve for the key.
     """
     figure.draw_without_rendering()
     found = []
@@ -56,7 +56,9 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
 
 
 def unreadable(figure: Figure) -> list[object]:
-    """Return texts smaller than LEAST_SIZE (or with smaller indices), outside the figure, on other texts or on curves."""
+    """Return the texts that are hard to read. They are smaller than LEAST_SIZE, outside the figure, or on other texts
+    or curves. Indices may be smaller by the factor SCRIPT.
+    """
     found, edge = [], figure.bbox
     for text, box in texts_of(figure):
         words = text.get_text()
@@ -72,8 +74,8 @@ def unreadable(figure: Figure) -> list[object]:
 
 
 def unnamed_colours(figure: Figure) -> set[str]:
-    """Return the colours that identify no curve: panels with several curves use them, but no legend key or text has
-    them.
+    """Return the colours that do not identify a curve. Panels with several curves use these colours, but the colours
+    appear in no legend key or text.
     """
     panels = figure.findobj(Axes)
     legends = [legend for axes in panels if (legend := axes.get_legend())]

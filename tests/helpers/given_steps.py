@@ -1,4 +1,4 @@
-"""Steps of an adaptive method with prescribed contact forces. For such a step, a test knows the events in closed form."""
+"""Steps of an adaptive method with prescribed contact forces. The events in such a step are known in closed form."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NODE_TIMES = H * NODES
 
 
 class Step:
-    """A step of length H with contact forces that are polynomials of time. Overlaps and velocities follow by
+    """A step of length H in which the contact forces are polynomials of time. Overlaps and velocities follow by
     integration.
     """
 
@@ -41,7 +41,7 @@ class Step:
             free = self.motion.overlap + self.motion.rate * time + 0.5 * external * time**2
             self.trial.overlap[k] = free - matrix @ twice
         self.trial.anchor[:] = state.anchor
-        # The anchors in these tests are walls or beads without contact force, so only the external force moves them.
+        # In these tests the anchor is a wall or a bead without contact force. Only the external force accelerates it.
         if self.data.external.size:
             self.trial.anchor[1] += H * self.data.external[-1]
 
@@ -55,7 +55,9 @@ class Step:
         return context_of(self.data, self.regime, self.motion, bounds, self.trial)
 
     def find(self, landing=(-1, 0), slow=0.0):
-        """Return (contact or bead, name of its first event, fraction of the step)."""
+        """Return the first event of this step: the contact or bead, the name of the event, and the fraction of the
+        step.
+        """
         row, side, part, *_ = self.corner(landing, slow)
         n = self.chain.contacts
         if row < 0:
@@ -67,7 +69,7 @@ class Step:
         return row, names[int(self.motion.mode[row])][side], part
 
     def guard(self, row, side):
-        """Return the value of the guard function at the end of the step, and its slope."""
+        """Return the value and the slope of the guard function at the end of the step."""
         context = self.context()
         work, anchor_bead = context.scratch.work, self.data.anchor_bead
         bead_velocities(self.motion.rate, anchor_bead, self.motion.anchor[1], work[VELOCITY_BEFORE])
@@ -77,11 +79,11 @@ class Step:
 
 
 def at_wall(law, speed, overlap, mode, force, **more):
-    """Return a step of a bead of 1 kg that has one contact, with a wall."""
+    """Return a step of a bead of 1 kg whose only contact is with a wall."""
     return Step(Chain([1.0, math.inf], law), [speed, 0.0], [overlap], [mode], [force], **more)
 
 
 def thrown(speed, gap, pull=-9.8):
-    """Return a step of a bead that is thrown at a wall against a steady force [N]."""
+    """Return a step of a bead that is thrown at a wall. A constant force `pull` [N] acts on the bead."""
     chain = Chain([1.0, math.inf], hertz(1e3), drive=[pull, 0.0])
     return Step(chain, [speed, 0.0], [-gap], [OPEN], [0.0])

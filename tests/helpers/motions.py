@@ -1,5 +1,5 @@
-"""Short motions that contain every kind of step, mode change and rest. Tests check properties of them with every
-method.
+"""Short motions that together contain every kind of step, mode change and rest. Tests check the properties of these
+motions with every method.
 """
 
 import math
@@ -20,8 +20,8 @@ SAMPLES = 7
 
 
 class Case(NamedTuple):
-    """A motion: chain, start velocities, duration (None: until it ends), step of fixed-step methods, and methods to
-    leave out.
+    """A motion to simulate: chain, start velocities, duration, step of fixed-step methods, and methods to leave out. If
+    the duration is None, the run ends by itself.
     """
 
     chain: Chain
@@ -32,14 +32,14 @@ class Case(NamedTuple):
 
 
 def box(contact):
-    """Return a chain of three touching beads between two walls."""
+    """Return a chain of three beads between two walls. The beads touch each other and the walls."""
     return Chain([math.inf, 1.0, 2.0, 3.0, math.inf], contact)
 
 
 # Exponential law with its stored energy.
 TODA = OwnLaw(lambda d: 20.0 * math.expm1(d), lambda d: 20.0 * (math.expm1(d) - d))
 HARDENING = OwnLaw(lambda d: 2.0 + 30.0 * d + 50.0 * d**3)
-# With the step of the other methods, contacts chatter in these methods if they are stiff.
+# Explicit methods. In these methods, stiff contacts chatter if the step is as long as for the other methods.
 EXPLICIT = ("verlet", "yoshida4", "euler", "pymunk")
 CASES = {
     "one on four": Case(one_on(4, power_law(1.0, 0.1)), [1.0, 0.0, 0.0, 0.0, 0.0], None, 0.01, ("dop853",)),
@@ -130,14 +130,14 @@ CASES = {
         Chain([1.0, 1.0], hooke(10.0), drive=[1.2 * 0.2 * GRAVITY, 0.0], friction=0.2), [0.0, 0.0], 3.0, 5e-3, EXPLICIT
     ),
     **{
-        f"thrown at a ceiling at {speed} m/s": Case(  # At 3.001 m/s the bead reaches 0.3 mm beyond the ceiling.
+        f"thrown at a ceiling at {speed} m/s": Case(  # At 3.001 m/s, the bead would fly 0.3 mm beyond the ceiling.
             Chain([1.0, math.inf], hertz(1e6), gap=0.5 * 3.0**2 / 9.8, drive=[-9.8, 0.0]),
             [speed, 0.0], 2.0 * speed / 9.8, 1e-3, EXPLICIT,
         )
         for speed in (3.001, 3.1, 8.0)
     },
     **{
-        # The contact that never touches must not influence the scales of the others.
+        # The beads of the last contact never meet. Its stiffness must not influence the scales of the other contacts.
         f"beside what never touches, of {stiffness:g} N/m": Case(
             Chain([100.0, 0.01, 1.0, 1.0], [hooke(1e4), hooke(1e4), hooke(stiffness)], [0.05, 0.05, 50.0], friction=0.3),
             [2.0, 2.0, 0.0, 0.0], 0.3, 1e-4, (*EXPLICIT, "conserving"),
@@ -207,7 +207,9 @@ def solved(case, method, samples=SAMPLES):
 
 
 def digits_of(case, method):
-    """Return the bytes of runs (samples at the ends only, evenly spaced, and at chosen times) and of live frames."""
+    """Return the results of several runs and of live frames as bytes. One run has samples only at its ends. The other
+    runs have evenly spaced samples and samples at chosen times.
+    """
     state, moved = State.at_start(case.chain, case.velocity), []
     for _ in range(5):
         advance(case.chain, state, 10.0 * case.step, method, **fineness(method, case.step))

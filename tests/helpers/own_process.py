@@ -1,5 +1,5 @@
-"""Run tests in their own process, and find what a test leaves behind. A test that starts processes cannot disturb
-another test.
+"""Run tests in their own process, and find processes and files that a test leaves behind. A test that starts processes
+then cannot disturb another test.
 """
 
 import os
@@ -22,7 +22,7 @@ from tests.helpers.paths import ROOT
 def python(
     *words: str, check: bool = True, env: Mapping[str, str] = os.environ, **options: Any
 ) -> CompletedProcess[str]:
-    """Run Python with these arguments in a new process. Keywords in capitals are environment variables.
+    """Run Python with the given arguments in a new process. Keywords in capitals are environment variables.
 
     Unless `check` is false, fail if the exit code is not 0.
     """
@@ -33,8 +33,8 @@ def python(
     return done
 
 
-# Longest wait for an answer of a process [s]: much longer than an answer takes on a loaded machine, and much shorter
-# than the work that a test stops.
+# Longest time [s] to wait for an answer of a process. It is much longer than an answer takes on a busy machine. It is
+# much shorter than the work that a test interrupts.
 ANSWER = 180.0
 
 
@@ -47,12 +47,12 @@ def until(condition: Callable[[], object], process: subprocess.Popen[Any]) -> No
         time.sleep(0.05)
 
 
-INSIDE = "SOFTCRADLE_OWN_PROCESS"  # Environment variable that is set in the process of a test.
-# Time limit of a test in its own process [s], far longer than any test takes on a busy machine. A test that hangs is
-# killed with its children.
+INSIDE = "SOFTCRADLE_OWN_PROCESS"  # Name of the environment variable that is set in the process of a test.
+# Time limit [s] of a test in its own process. It is far longer than any test takes on a busy machine. A test that
+# exceeds it is killed together with its child processes.
 LONGEST = 900.0
-# Processes that outlive a test on purpose: Python keeps one of each of the first two, and the third one compiles
-# kernels for later tests.
+# Commands of processes that may continue after a test. Python keeps one process of each of the first two kinds. The
+# last kind compiles kernels for later tests.
 SHARED = (
     "multiprocessing.resource_tracker",
     "loky.backend.resource_tracker",
@@ -62,24 +62,28 @@ SHARED = (
 
 
 def descriptors() -> set[str]:
-    """Return the file descriptors of this process with their targets. The set is empty if the system has no /proc."""
+    """Return the file descriptors of this process with their targets. The set is empty if the system does not have the
+    folder /proc.
+    """
     found = set()
     for entry in Path("/proc/self/fd").glob("*"):
-        with suppress(OSError):  # The descriptor of this listing is already closed.
+        with suppress(OSError):  # The descriptor that belongs to this listing is already closed.
             found.add(f"{entry.name} {entry.readlink()}")
     return found
 
 
 def children() -> dict[int, str]:
-    """Return the commands of the running child processes, by process number. It is empty if the system has no /proc."""
+    """Return the commands of the running child processes by process number. The result is empty if the system does not
+    have the folder /proc.
+    """
     numbers = [number for entry in Path("/proc/self/task").glob("*/children") for number in _read(entry).split()]
     commands = {int(number): _command(number) for number in numbers}
     return {number: said for number, said in commands.items() if said and not any(name in said for name in SHARED)}
 
 
 def _command(number: str) -> str:
-    """Return the command of a running process, or an empty text if it has ended. The command of a new process is empty
-    for a moment.
+    """Return the command of a running process, or an empty text if the process has ended. For a moment, the command of
+    a new process is empty.
     """
     while not (command := _read(Path(f"/proc/{number}/cmdline"))):
         if _read(Path(f"/proc/{number}/stat")).rpartition(")")[2][1:2] in ("", "Z", "X"):
@@ -89,19 +93,19 @@ def _command(number: str) -> str:
 
 
 def _read(path: Path) -> str:
-    """Return the text of a file, or an empty text if its thread or process has just ended."""
+    """Return the text of a file in /proc. Return an empty text if the thread or process of the file has just ended."""
     with suppress(OSError):
         return path.read_text(encoding="utf-8", errors="replace")
     return ""
 
 
 def runs_alone(item: pytest.Item) -> bool:
-    """Return True if the test needs its own process and this process is not it."""
+    """Return True if the test needs its own process and the present process is a different one."""
     return INSIDE not in os.environ and item.get_closest_marker("own_process") is not None
 
 
 def run_alone(test: str) -> None:
-    """Run a test in its own process and session, then kill the whole session."""
+    """Run a test in its own process and session. Afterwards kill all processes of the session."""
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", test]
     process = subprocess.Popen(
         command, cwd=ROOT, env=os.environ | {INSIDE: "1", "PYTEST_ADDOPTS": ""}, start_new_session=True,
@@ -120,7 +124,7 @@ def run_alone(test: str) -> None:
 
 
 def end_all_of(process: subprocess.Popen[str]) -> None:
-    """Kill the session of a process: all its descendants that have not left the session."""
+    """Kill the session of a process, which contains all descendants that have not left the session."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()

@@ -1,5 +1,5 @@
-"""Helpers for tests that call kernels one by one as plain Python. Otherwise Numba would compile each kernel for its
-test only.
+"""Helpers for tests that call single kernels in plain Python. With Numba, each kernel would be compiled for a single
+test.
 """
 
 import numpy as np
@@ -25,13 +25,15 @@ only_plain = pytest.mark.skipif(COMPILED, reason="kernels are called as plain Py
 
 
 def records_of(chain: Chain, state: State) -> tuple[ChainData, Motion]:
-    """Return ChainData, and the Motion that the kernels change. The Motion uses the arrays of `state` itself."""
+    """Return the ChainData and the Motion of a chain. Kernels that change the Motion also change `state`, because both
+    use the same arrays.
+    """
     flags = np.zeros((2, chain.contacts), dtype=np.int8)
     return ChainData(*chain_records(chain, state)), Motion(*motion_record(state, *flags))
 
 
 def effective_records(chain: Chain, state: State) -> tuple[ChainData, Regime, Motion]:
-    """Return the effective chain of adaptive steps, the Regime from which it is made, and the Motion."""
+    """Return the effective chain of adaptive steps, the Regime that determines it, and the Motion."""
     data, regime = chain_and_regime(chain, state)
     return ChainData(*data), Regime(*regime, ChainData(*data).graph), records_of(chain, state)[1]
 
@@ -39,15 +41,15 @@ def effective_records(chain: Chain, state: State) -> tuple[ChainData, Regime, Mo
 def context_of(
     data: ChainData, regime: Regime, motion: Motion, bounds: Bounds, trial: Trial | None = None, log_size: int = 0
 ) -> StepContext:
-    """Return the context of adaptive steps with these records and new memory."""
+    """Return the context of adaptive steps with the given records and new memory."""
     n = motion.mode.size
     step, memory, log = trial or empty_trial(n), empty_scratch(n), empty_log(n, log_size)
     return StepContext(data, regime, motion, step, empty_trial(n), bounds, memory, log, empty_steps(0, n, False))
 
 
 def pressed(chain: Chain, velocity: list[float], overlap: object) -> tuple[ChainData, Motion]:
-    """Return the records of a chain whose contacts are all loaded, with these overlaps [m] and the forces of their
-    laws.
+    """Return the records of a chain in which all contacts are loaded. The contacts have the given overlaps [m] and the
+    forces of their laws.
     """
     state = State.at_start(chain, velocity)
     state.overlap[:] = overlap
@@ -58,11 +60,11 @@ def pressed(chain: Chain, velocity: list[float], overlap: object) -> tuple[Chain
 
 
 def signed_force(preload: float, stiffness: float, exponent: float, overlap: float) -> float:
-    """Return the force of a loaded power law at any overlap, as the adaptive steps continue it."""
+    """Return the force of a loaded power law at any overlap. Below overlap 0 the law is continued as in adaptive steps."""
     return law_curve.curve_force(np.array([[preload, stiffness, exponent]]), NO_GRAPHS, 0, overlap)
 
 
 def row_matrix(chain: Chain) -> np.ndarray:
-    """Return the (n, n) matrix L. Contact forces f give the overlaps the accelerations -L f."""
+    """Return the matrix L of shape (n, n). The contact forces f accelerate the overlaps by -L f."""
     across = np.eye(chain.contacts, chain.contacts + 1) - np.eye(chain.contacts, chain.contacts + 1, 1)
     return across @ np.diag(chain.inverse_mass) @ across.T

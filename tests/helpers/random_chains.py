@@ -1,5 +1,5 @@
-"""Random chains with start velocities, each made from a seed: collisions without dissipation, and chains with friction
-and loss.
+"""Random chains with start velocities, each generated from a seed. Some chains do not dissipate energy. Other chains
+have friction and loss.
 """
 
 import math
@@ -12,8 +12,8 @@ from softcradle.physics.numerics.elementary import power
 
 
 def ten_to(exponents):
-    """Return 10**x by the package's own power function. NumPy's last digits depend on the processor, which would change
-    the chains.
+    """Return 10**x, computed by the package's own power function. The last digits of NumPy's power function depend on
+    the processor, so the chains would differ between machines.
     """
     found = [power(10.0, float(one)) for one in np.atleast_1d(exponents)]
     return np.array(found) if np.ndim(exponents) else found[0]
@@ -32,10 +32,11 @@ LAWS = (
 
 
 def random_collision(seed, most):
-    """Return (chain, velocity) of a random collision without dissipation, with at most one wall.
+    """Return the chain and the start velocities of a random collision without dissipation. The chain has at most one
+    wall.
 
-    The beads form up to three clusters of one velocity each, or every bead has its own velocity. The chain is made from
-    a seed, because lists that Hypothesis draws repeat themselves, and most of their beads fly apart.
+    The beads form up to three clusters with one velocity per cluster, or every bead has a different velocity. The chain
+    is generated from a seed. Lists that Hypothesis draws contain many repetitions, and most of their beads fly apart.
     """
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, most + 1))
@@ -64,7 +65,9 @@ def collisions(most=40):
 
 
 def random_dissipative(seed, most=6):
-    """Return (chain, velocity) with friction: mixed masses and laws, losses, gaps, sometimes a wall or a drive."""
+    """Return a random chain with friction, and its start velocities. Masses and contact laws are mixed. The chain has
+    losses and gaps, and sometimes a wall or an external force.
+    """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(1, most + 1))
     mass = ten_to(draw.uniform(-1, 1, n + 1))

@@ -1,4 +1,6 @@
-"""Relations that hold for any motion of any chain with any method: energy, momentum, order of the beads."""
+"""Relations that hold for every motion of every chain with every method. They concern energy, momentum and the order of
+the beads.
+"""
 
 import math
 import warnings
@@ -20,15 +22,16 @@ LIVE = tuple(method for method in FIXED_STEP if method.family is Family.FIXED_ST
 KERNELS = tuple(method.name for method in METHODS if method.family is Family.ADAPTIVE)
 
 EPSILON = float(np.finfo(float).eps)
-# Guaranteed error of final velocities in adaptive methods, in tolerances. A run with a larger error must warn.
+# Guaranteed error of final velocities in adaptive methods, as a multiple of the tolerance. A run with a larger error
+# must warn.
 PROMISE = 10.0
-# Round-off of the momentum per step and bead, relative to the sum of momenta. Light beads between heavy ones amplify
-# round-off. The worst of 12 800 random collisions had a third of this bound.
+# Round-off of the momentum per step and bead, relative to the sum of the absolute momenta. Light beads between heavy
+# beads amplify round-off. In 12 800 random collisions, the largest round-off was a third of this limit.
 MOMENTUM_ROUND_OFF = 10_000 * EPSILON
 
 
 def simulate_quietly(*arguments: Any, **options: Any) -> Trajectory:
-    """Call `simulate` without its RuntimeWarnings. The Trajectory still lists them."""
+    """Call `simulate` without showing its RuntimeWarnings. The Trajectory still contains them."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return simulate(*arguments, **options)
@@ -40,17 +43,19 @@ def run(*arguments: Any, **options: Any) -> Trajectory:
 
 
 def fineness(method: str, step: float, **of_adaptive: float) -> dict[str, float]:
-    """Return the step size for a fixed-step method, or the keywords `of_adaptive` (a tolerance) for an adaptive method."""
+    """Return the keyword arguments that determine the accuracy of a method. A fixed-step method gets a step size. An
+    adaptive method gets the keywords `of_adaptive`, for example a tolerance.
+    """
     return of_adaptive if find_method(method).adaptive else {"step": step}
 
 
 def struck(chain: Chain) -> Array:
-    """Return start velocities: the first bead at 1 m/s, all others at rest."""
+    """Return start velocities: 1 m/s for the first bead and 0 for all other beads."""
     return np.eye(1, chain.contacts + 1)[0]
 
 
 def closing_speed(velocity: ArrayLike) -> float:
-    """Return the largest minus the smallest velocity [m/s], or 1 if all beads have the same velocity."""
+    """Return the largest velocity minus the smallest velocity [m/s]. Return 1 if all beads have the same velocity."""
     return float(np.ptp(np.asarray(velocity))) or 1.0
 
 
@@ -59,7 +64,7 @@ def momentum(chain: Chain, velocity: ArrayLike) -> float:
 
 
 def momentum_scale(chain: Chain, velocity: ArrayLike) -> float:
-    """Return the sum of the absolute momenta of the beads [N s], the scale of the round-off of the momentum."""
+    """Return the sum of the absolute momenta of the beads [N s]. The round-off of the momentum is proportional to it."""
     return float(chain.finite_mass @ np.abs(np.asarray(velocity))) or 1.0
 
 
@@ -74,15 +79,15 @@ def total_energy(chain: Chain, state: State) -> float:
 
 
 def energy_error(found: Trajectory, velocity: ArrayLike) -> float:
-    """Return the largest error of the energy over the run, relative to the sum of the kinetic energies at the start."""
+    """Return the largest energy error during the run, as a fraction of the kinetic energies of the beads at the start."""
     energy = found.kinetic_energy + found.contact_energy
     scale = kinetic_energy(found.chain, np.abs(velocity)) or 1.0
     return float(np.abs(energy - energy[0]).max()) / scale
 
 
 def ledger_error(found: Trajectory) -> float:
-    """Return the largest change of the energy balance (with absorbed energy) over the run, relative to the energies in
-    the motion.
+    """Return the largest error of the energy balance during the run, as a fraction of the energies in the motion. The
+    balance includes absorbed energy.
     """
     scale = found.kinetic_energy[0] + found.contact_energy[0] + np.abs(found.driven).max()
     return float(np.ptp(found.ledger)) / scale
@@ -112,8 +117,8 @@ def assert_momentum(found: Trajectory, velocity: ArrayLike, tolerance: float = 0
 
 
 def assert_sound(found: Trajectory) -> None:
-    """Check that all samples are finite, that contacts only push, and that the switching times of each contact are in
-    order.
+    """Check that all samples are finite and that contacts do not pull. The times at which each contact closes and opens
+    must be in order.
     """
     for array in (found.position, found.velocity, found.overlap, found.force, found.final_velocity):
         assert np.isfinite(array).all()

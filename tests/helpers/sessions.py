@@ -1,4 +1,4 @@
-"""Sessions for tests: scenes to open, inputs that Hypothesis draws as values, and checks that hold in every session."""
+"""Sessions for tests. The module also contains random inputs for Hypothesis and checks that hold in every session."""
 
 import copy
 import math
@@ -21,8 +21,8 @@ from softcradle import scenes
 
 
 def opened(name: str = "one-on-four", *done: inputs.Input | int, frames: int = 0, **options: Any) -> Session:
-    """Return a session with the scene `name` after inputs and numbers of frames, in the order given. Its clock stands
-    still.
+    """Return a session with the scene `name`. The session first processes the inputs in `done` in the given order. A
+    number in `done` stands for that many frames. The clock of the session does not advance.
     """
     session = Session(scenes.load(name), **{"clock": lambda: 0.0, **options})
     for one in (*done, frames):
@@ -31,22 +31,22 @@ def opened(name: str = "one-on-four", *done: inputs.Input | int, frames: int = 0
 
 
 def pull(session: Session, bead: int, places: Iterable[float]) -> None:
-    """Start the session, and pull a bead to the next of `places` [m] in every frame."""
+    """Start the session and pull a bead. In each frame, the bead is pulled to the next of the positions `places` [m]."""
     session.play()
     for place in places:
         session.drag(0, bead, place)
         session.tick(1 / 60)
 
 
-# Scenes that differ most: one row; two lanes; a drive without an end; couplers with forces over time and friction.
-# Other scenes are slow tests.
+# The four scenes that differ most from each other. They have a single chain, two lanes, a permanent external force, and
+# couplers with friction and forces over time. Tests of other scenes are slow tests.
 UNLIKE = ("one-on-four", "beads-against-gear", "driven-cluster", "train-braking")
 EVERY_SCENE = [name if name in UNLIKE else pytest.param(name, marks=pytest.mark.slow) for name in scenes.names()]
 
 
 def check_invariants(session: Session) -> None:
-    """Check what holds in every session: finite numbers, bounded memory, a frame of the history. Raise AssertionError
-    otherwise.
+    """Raise AssertionError if a property that holds in every session is violated. All numbers must be finite, the
+    memory must be bounded, and the session must show a frame of the history.
     """
     for lane in session.lanes:
         for values in (lane.state.overlap, lane.state.rate, lane.state.anchor, lane.state.force, lane.ledger):
@@ -57,7 +57,7 @@ def check_invariants(session: Session) -> None:
 
 
 def read_all(session: Session) -> None:
-    """Read everything that a window shows. Raise AssertionError if values are not finite or not in order."""
+    """Read all values that a window shows. Raise AssertionError if a value is not finite or not in order."""
     for lane in range(len(session.lanes)):
         for part in session.history_slices(lane, 240):
             assert np.isfinite(part.velocity).all()
@@ -68,20 +68,20 @@ def read_all(session: Session) -> None:
 
 
 def frame_table(session: Session) -> dict[str, Any]:
-    """Return the frame that is shown with all digits, without the bead that is held."""
+    """Return the frame that the session shows, with all digits. The held bead is left out."""
     table = snapshot_table(session.snapshot())
     del table["hand"]
     return table
 
 
 def picture(session: Session) -> tuple[object, ...]:
-    """Return what a window shows of a session: the frame with all digits, and the range of stored frames."""
+    """Return the contents of a window for this session: the frame with all digits, and the range of stored frames."""
     return session.frame, session.history.first, session.history.last, session.setup, frame_table(session)
 
 
 def check_order(session: Session) -> None:
-    """Check that the frame shown lies in the history and that the recording ends with the history. Raise AssertionError
-    otherwise.
+    """Check that the session shows a frame of the history, and that the recording ends at the end of the history. Raise
+    AssertionError otherwise.
     """
     history, recording = session.history, session.recording
     assert history.first <= session.frame <= history.last == recording.last
@@ -92,8 +92,8 @@ def check_order(session: Session) -> None:
 
 
 def check_round_trip(session: Session) -> None:
-    """Check with a copy that undo then redo, and redo then undo, lead back to the frame shown. Raise AssertionError
-    otherwise.
+    """Check undo and redo with a copy of the session. Undo followed by redo, and redo followed by undo, must return to
+    the present frame. Raise AssertionError otherwise.
     """
     stack = session.undo_stack
     for steps, there, back in ((stack.done, Session.undo, Session.redo), (stack.undone, Session.redo, Session.undo)):
@@ -114,8 +114,8 @@ def check_round_trip(session: Session) -> None:
 
 
 def check_replay(session: Session, file: Path) -> Replay:
-    """Return the Replay of the recording after writing it to `file` and reading it. Raise AssertionError if its frames
-    differ.
+    """Return the Replay of the recording. The recording is first written to `file` and read again. Raise AssertionError
+    if the frames of the Replay differ.
     """
     session.recording.save(file, session.scene)
     replay = Replay.load(file)
@@ -126,10 +126,11 @@ def check_replay(session: Session, file: Path) -> Replay:
 
 
 METHODS = ("auto", "conserving", "verlet", "euler", "yoshida4", "accurate", "radau", "dop853", "pymunk")
-# Largest number of beads of a lane. In a lane with more beads, inputs that add a bead remove one instead.
+# Largest number of beads in a lane. If a lane has more beads, an input that would add a bead removes a bead instead.
 MOST_BEADS = 30
 
-_NUMBERS = st.integers(0, 60)  # Numbers of lanes, beads and contacts, taken modulo their count.
+# Numbers of lanes, beads and contacts. They are taken modulo the number of existing items.
+_NUMBERS = st.integers(0, 60)
 _OR_ALL = st.one_of(_NUMBERS, st.none())
 _LAWS = st.one_of(
     st.builds(power_law, st.sampled_from((0.1, 1.0, 100.0)), st.sampled_from((1 / 30, 1 / 14, 0.1, 0.5, 1.0, 1.5))),
@@ -161,7 +162,7 @@ INPUTS: st.SearchStrategy[inputs.Input] = st.one_of(
 
 
 def fitted(item: inputs.Input, session: Session) -> inputs.Input:
-    """Return `item` with a lane, a bead and a contact that exist in `session`."""
+    """Return a copy of `item` in which the numbers of lane, bead and contact are valid for `session`."""
     contacts = session.lanes[(getattr(item, "lane", None) or 0) % len(session.lanes)].chain.contacts
     beads = contacts + (2 if isinstance(item, inputs.AddBead) else 1)
     most = {"lane": len(session.lanes), "bead": beads, "contact": contacts}

@@ -59,9 +59,9 @@ class Quadratic:
 
 
 def chain_row(law, gap=0.0, beads=5, speed=1.0, direction=(1.0, 0.0), masses=None):
-    """Return a Space with a row of bodies and their SoftChain. The first body moves.
+    """Return a Space, a row of bodies in it, and the SoftChain of the bodies. The first body moves.
 
-    Neighbours are 1 m plus `gap` apart. A single number of `gap` applies to the first contact only.
+    Neighbours are 1 m plus `gap` apart. If `gap` is a single number, it applies only to the first contact.
     """
     space, along = pymunk.Space(), pymunk.Vec2d(*direction)
     gaps = [gap] + [0.0] * (beads - 2) if np.ndim(gap) == 0 else gap
@@ -77,12 +77,12 @@ def chain_row(law, gap=0.0, beads=5, speed=1.0, direction=(1.0, 0.0), masses=Non
 
 
 def momentum(bodies):
-    """Return the momentum along x [kg m/s]."""
+    """Return the total momentum of the bodies along x [kg m/s]."""
     return sum(body.mass * body.velocity.x for body in bodies)
 
 
 def total_energy(bodies, chain):
-    """Return the kinetic plus the stored energy [J]. It does not use pymunk's kinetic_energy, which lacks the factor
-    one half.
+    """Return the sum of the kinetic energy and the stored energy [J]. Pymunk's attribute kinetic_energy is not used,
+    because it lacks the factor one half.
     """
     return sum(0.5 * body.mass * body.velocity.dot(body.velocity) for body in bodies) + chain.energy

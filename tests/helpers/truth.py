@@ -1,4 +1,4 @@
-"""The quadruple-precision reference solutions of `data/truth.json` as chains and arrays."""
+"""Reference solutions in quadruple precision, read from `data/truth.json` as chains and arrays."""
 
 import json
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ GEAR = draft_gear(770.0, 0.0177)
 
 @dataclass(frozen=True)
 class Truth:
-    """A reference case: the chain, its start velocities, and the results.
+    """A reference solution: the chain, its start velocities, and the results.
 
-    `opened` contains the last opening [s] of each contact, or NaN for a contact that never loads. Samples have the
-    shapes (T,), (T, n) and (T, n+1).
+    `opened` contains the time [s] of the last opening of each contact, or NaN for a contact that never loads. Arrays of
+    samples have the shapes (T,), (T, n) and (T, n+1).
     """
 
     name: str
@@ -39,7 +39,7 @@ class Truth:
 
     @property
     def least_exponent(self) -> float:
-        """The smallest exponent of its contacts."""
+        """The smallest exponent of the contacts in the chain."""
         return min(contact.exponent for contact in self.chain.contact)
 
 

@@ -1,9 +1,10 @@
-"""The window as a state machine: Hypothesis draws user actions in any order, and shrinks a failing sequence.
+"""The window as a state machine. Hypothesis draws user actions in any order and shortens a sequence of actions that
+fails.
 
 python -m tests.helpers.window_machine [--seed 0] [--minutes 60]
 
-It prints a failure as the shortest list of steps that it found. With `--minutes`, it tries one seed after the other for
-this time.
+The command prints a failure as the shortest list of steps that it found. With `--minutes`, it tries one seed after
+another for the given time.
 """
 
 import argparse
@@ -38,9 +39,9 @@ KINDS = ("bead", "contact", "widget", "plot", "bar", "window")
 class Place(NamedTuple):
     """A place in the window, or on an item in the window."""
 
-    kind: str  # Kind of the item, one of KINDS. The whole window is used if the page lacks items of this kind.
-    number: int  # Number of the bead, contact, widget or plot, taken modulo their count.
-    across: float  # Place inside the rectangle of the plot, bar or window, as fractions of its width and height.
+    kind: str  # Kind of the item, one of KINDS. If the page does not contain such an item, the whole window is used.
+    number: int  # Number of the bead, contact, widget or plot. It is taken modulo the number of existing items.
+    across: float  # Position inside the rectangle of the plot, bar or window, as fractions of its width and height.
     down: float
 
 
@@ -49,7 +50,9 @@ PLACES = st.builds(Place, st.sampled_from(KINDS), st.integers(0, 60), _SHARES, _
 
 
 def point_of(place: Place, driver: Driver) -> tuple[int, int]:
-    """Return the pixel of `place`, limited to the present window because a pointer cannot leave it."""
+    """Return the pixel of `place`. The pixel is always inside the present window, because a pointer cannot leave the
+    window.
+    """
     page, (width, height) = driver.app.page, driver.app.size
     rects = {"widget": [(*one.rect.center, 1, 1) for one in widgets(driver)]}
     if isinstance(page, ScenePage):
@@ -63,7 +66,8 @@ def point_of(place: Place, driver: Driver) -> tuple[int, int]:
     return min(max(round(x), 0), width - 1), min(max(round(y), 0), height - 1)
 
 
-LEFT_OUT = {"quit", "fullscreen", "sound"}  # Actions that end the machine, or need a real screen or loudspeaker.
+# Actions that are left out. They would close the window, or they need a real screen or loudspeaker.
+LEFT_OUT = {"quit", "fullscreen", "sound"}
 KEYS = tuple(key for binding in bindings() if binding.action not in LEFT_OUT for key in binding.keys)
 UNDO_KEYS = (Key(pygame.K_z, CTRL), Key(pygame.K_z, CTRL | SHIFT))
 STARTS = ("one-on-four", "beads-against-gear", "driven-cluster", "", *scenes.names())
@@ -76,22 +80,22 @@ ON_A_SCENE = precondition(lambda self: isinstance(self.driver.app.page, ScenePag
 
 
 class WindowMachine(RuleBasedStateMachine):
-    """A window and its user. The clock advances by 1/60 s per frame, and no background threads run."""
+    """A window and its user. The clock advances by 1/60 s per frame, and background threads are not used."""
 
     def __init__(self) -> None:
         super().__init__()
         self.ending = ExitStack()
         self.folder = Path(self.ending.enter_context(tempfile.TemporaryDirectory()))
         patch = self.ending.enter_context(pytest.MonkeyPatch.context())
-        # Key presses change settings, so the settings get their own folder.
+        # Some key presses change settings. A temporary folder therefore stores the settings.
         patch.setenv("SOFTCRADLE_CONFIG", str(self.folder))
-        patch.chdir(self.folder)  # Buttons write files, so they work in this folder.
+        patch.chdir(self.folder)  # Some buttons write files. The files are written to this folder.
         self.driver: Driver | None = None
         self.down = False  # True while the left button is down.
 
     @initialize(start=st.sampled_from(STARTS), lab=st.booleans())
     def begin(self, start: str, lab: bool) -> None:
-        """Open the window with a scene or the gallery, with few controls or with all of them."""
+        """Open the window with a scene or with the gallery. The window shows a few controls or all controls."""
         self.driver = Driver(start or None, lab=lab)
         self.ending.callback(self.driver.close)
         self.driver.app.warmup.submit = self._do_at_once
@@ -99,24 +103,26 @@ class WindowMachine(RuleBasedStateMachine):
         self.driver.frames(2)
 
     def _do_at_once(self, take: Any, job: Any) -> None:
-        """Run a background job immediately. In a thread, the frame that gets its result would depend on the machine."""
+        """Run a background job immediately. If the job ran in a thread, the frame that receives its result would depend
+        on the speed of the machine.
+        """
         try:
             result = job()
         except Exception as error:
             result = error
         self.driver.app.warmup._results.put((take, result))
 
-    # ---- actions of the user
+    # ---- Actions of the user
 
     @rule(key=st.sampled_from(KEYS), times=st.sampled_from((1, 1, 1, 2, 4)))
     def press_key(self, key: Key, times: int) -> None:
-        """Press a key, or hold it down so that the system repeats it."""
+        """Press a key once, or hold it down until the system has repeated it `times` times."""
         for event in pressed(key.code, key.modifiers, times=times):
             self.driver.post(event.type, **event.dict)
 
     @rule(keys=st.lists(st.sampled_from(KEYS), min_size=2, max_size=4), place=PLACES)
     def press_at_once(self, keys: list[Key], place: Place) -> None:
-        """Press several keys and click between two frames."""
+        """Press several keys and click, all between two frames."""
         turns, point = (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP), point_of(place, self.driver)
         first, *others = [pressed(key.code, key.modifiers) for key in keys]
         clicked = [pygame.Event(kind, pos=point, button=1) for kind in turns]
@@ -132,7 +138,7 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(place=PLACES)
     def move(self, place: Place) -> None:
-        """Move the pointer. This is a drag if the button is down."""
+        """Move the pointer. If the button is down, this is a drag."""
         self.driver.move(point_of(place, self.driver), (int(self.down), 0, 0))
 
     @precondition(lambda self: self.down)
@@ -195,7 +201,7 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(file=st.sampled_from(("bad.toml", "track.csv", "camera.png")))
     def drop_file(self, file: str) -> None:
-        """Drop a file that the program cannot read, or data to draw over the plots."""
+        """Drop a file on the window. The file is unreadable, or it contains data to draw in the plots."""
         path = self.folder / file
         if file == "camera.png":
             pygame.image.save(pygame.Surface((8, 5)), str(path))
@@ -209,13 +215,15 @@ class WindowMachine(RuleBasedStateMachine):
 
     @rule(kinds=st.lists(st.sampled_from(LEAVING), min_size=1, max_size=3))
     def leave(self, kinds: list[int]) -> None:
-        """Switch to another window and come back. The window gets no event for the release of the button in between."""
+        """Switch to another window and come back. If the button is released in the meantime, the window does not
+        receive the event.
+        """
         for kind in kinds:
             self.driver.post(kind)
         self.driver.post(pygame.WINDOWRESTORED)
         self.down = False
 
-    # ---- properties that hold after each action
+    # ---- Properties that must hold after each action
 
     @invariant()
     def layout_is_whole(self) -> None:
@@ -238,7 +246,7 @@ class WindowMachine(RuleBasedStateMachine):
         assert pick is None or pick.index <= session.lanes[pick.lane].chain.contacts
         stack = session.undo_stack
         for name, steps in (("undo", stack.done), ("redo", stack.undone)):
-            button = page.toolbar.buttons.get(name)  # The view with few controls lacks a redo button.
+            button = page.toolbar.buttons.get(name)  # The view with few controls does not contain a redo button.
             assert button.is_enabled == bool(steps) if button else self.driver.app.explore and name == "redo"
         assert session.held == NOTHING_HELD or self.down or not page.pointer.dragging
 

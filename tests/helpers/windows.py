@@ -1,4 +1,6 @@
-"""A driver that operates the real window by posted events, without a screen, and checks of the layout of its widgets."""
+"""A driver that operates the real window with posted events and without a screen. The module also checks the layout of
+the widgets.
+"""
 
 from __future__ import annotations
 
@@ -25,21 +27,21 @@ from tests.helpers.drawn_text import DrawnText, drawn_texts
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
-LONGEST = 3600.0  # Longest wait for the compilation of kernels on a busy machine [s].
+LONGEST = 3600.0  # Longest time [s] to wait for the compilation of kernels on a busy machine.
 FRAME = 1.0 / 60.0
-LONGEST_WORK = 120.0  # Processor time [s] after which a test stops waiting and fails.
+LONGEST_WORK = 120.0  # Processor time [s] after which a waiting test fails.
 
 
 def rarely(collect: Callable[[], None], every: int = 20) -> Callable[[], None]:
-    """Return a function that calls `collect` only every 20th time. Collections take half of the time because tests have
-    a large heap.
+    """Return a function that calls `collect` only every 20th time. Tests have a large heap, so garbage collections
+    would take half of the time.
     """
     calls = itertools.count(1)
     return lambda: None if next(calls) % every else collect()
 
 
 class Driver:
-    """Posts keys and mouse events to an App, and runs its frames.
+    """Posts keys and mouse events to an App and runs the frames of the App.
 
     Attributes:
         app: the window. Its clock advances only between frames, so no frame depends on the load of the machine.
@@ -81,7 +83,7 @@ class Driver:
         return [message.text for message in self.app.messages.visible]
 
     def frames(self, count: int = 1) -> None:
-        """Run this number of frames. Draw only the last two, because tests only look at the end."""
+        """Run `count` frames. Draw only the last two frames, because tests check only the end."""
         for left in range(count - 1, -1, -1):
             self._frame(drawn=left < 2)
 
@@ -91,7 +93,9 @@ class Driver:
         self.time += FRAME
 
     def until(self, found: Callable[[], object], most: int = 0) -> None:
-        """Run frames until `found` is true, at most `most`. Without `most`, wait for a background thread of the window."""
+        """Run frames until `found` is true, but at most `most` frames. If `most` is 0, wait for a background thread of
+        the window.
+        """
         end, count = process_time() + LONGEST_WORK, 0
         while not found():
             assert count < most if most else process_time() < end, "nothing came"
@@ -102,17 +106,17 @@ class Driver:
         self.frames()
 
     def run(self, count: int) -> None:
-        """Press the space bar (play or pause), then run this number of frames."""
+        """Press the space bar to play or pause. Then run `count` frames."""
         self.key(pygame.K_SPACE)
         self.frames(count)
 
     def play(self, count: int) -> None:
-        """Play this number of frames, then pause."""
+        """Play `count` frames, then pause."""
         self.run(count)
         self.key(pygame.K_SPACE)
 
     def play_to_the_end(self) -> None:
-        """Play until the outcome card below the beads appears."""
+        """Play until the card with the outcome appears below the beads."""
         if not self.session.playing:
             self.key(pygame.K_SPACE)
         self.until(lambda: self.page.outcome.text, most=900)
@@ -125,7 +129,7 @@ class Driver:
         for _ in range(times):
             for event in pressed(code, modifiers, text):
                 pygame.event.post(event)
-            self.frames(2)  # Two frames, because widgets post events themselves.
+            self.frames(2)  # Run two frames, because widgets post events themselves.
 
     def type(self, text: str) -> None:
         for letter in text:
@@ -134,7 +138,7 @@ class Driver:
     def move(self, point: tuple[float, float], buttons: tuple[int, int, int] = (0, 0, 0)) -> None:
         place = (round(point[0]), round(point[1]))
         pygame.mouse.set_pos(place)
-        pygame.event.clear(pygame.MOUSEMOTION)  # The system's own event has wrong buttons.
+        pygame.event.clear(pygame.MOUSEMOTION)  # The event that the system posts has wrong mouse buttons.
         self.app.manager.mouse_position = place
         pygame.event.post(pygame.Event(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=buttons))
         self.frames()
@@ -160,7 +164,7 @@ class Driver:
         self.frames(2)
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
-        """Press at `start` and move to `end`. The button stays down."""
+        """Press the mouse button at `start` and move the pointer to `end`. The button stays down."""
         self.press(start)
         for share in (k / steps for k in range(1, steps + 1)):
             self.move(pygame.Vector2(start).lerp(end, share), (1, 0, 0))
@@ -182,7 +186,7 @@ class Driver:
         self.frames(2)
 
     def enter(self, key: str, text: str) -> None:
-        """Type into the box of a number in the panel and press Enter."""
+        """Type `text` into the box of the number `key` in the panel and press Enter."""
         entry = (self.page.explore.controls or self.page.inspector.controls)[key].entry
         self.click(entry.rect.center)
         entry.set_text("")
@@ -190,7 +194,7 @@ class Driver:
         self.key(pygame.K_RETURN)
 
     def answer(self, text: str) -> None:
-        """Type into the text line of the open dialog and press Enter."""
+        """Type `text` into the text line of the open dialog and press Enter."""
         self.app.dialog.entry.set_text(text)
         self.key(pygame.K_RETURN)
 
@@ -218,7 +222,7 @@ class Driver:
 
 
 def pressed(code: int, modifiers: int = 0, text: str = "", times: int = 1) -> list[pygame.Event]:
-    """Return the events of a key press. `times` is the number of key-down events; more than one means that the key is
+    """Return the events of a key press. `times` is the number of key-down events. If it is more than one, the key is
     held.
     """
     values = {"key": code, "mod": modifiers, "unicode": text, "scancode": 0}
@@ -227,8 +231,8 @@ def pressed(code: int, modifiers: int = 0, text: str = "", times: int = 1) -> li
 
 
 def widgets(driver: Driver) -> list[UIElement]:
-    """Return the widgets of the open dialog or of the page. Tooltips and open lists are left out because they cover
-    other widgets on purpose.
+    """Return the widgets of the open dialog, or of the page if no dialog is open. Tooltips and open lists are left out,
+    because they cover other widgets on purpose.
     """
     dialog = driver.app.dialog
     if dialog is not None and dialog.open:

@@ -1,4 +1,6 @@
-"""Tests of the benchmarks: they measure what their tables name, and the command writes the tables that it prints."""
+"""Tests of the benchmarks. Each benchmark must measure the quantities that its table names. The command must write the
+tables that it prints.
+"""
 
 import importlib
 import json
@@ -30,8 +32,8 @@ def test_the_table_of_a_case_has_the_aims_of_accurate():
 
 
 def test_two_versions_are_timed_on_the_same_chains_by_turns(monkeypatch, capsys):
-    """Compare this version with itself. Each case runs in both interpreters, and the ratio is the ratio of the two
-    times.
+    """Compare this version of the package with itself. Each case must run in both interpreters, and the reported ratio
+    must be the ratio of the two times.
     """
     monkeypatch.setattr(two_versions, "SECONDS", 0.0)
     monkeypatch.setattr(two_versions, "FEWEST", 1)
@@ -49,8 +51,8 @@ def test_two_versions_are_timed_on_the_same_chains_by_turns(monkeypatch, capsys)
 def test_a_chunk_of_a_sweep_is_sent_as_two_numbers():
     found = sweeps.measure_traffic(count=50)
     assert found["task_bytes"] < 100
-    assert found["work_bytes"] < 5000  # Sent once per worker, even for ten million points.
-    assert 5 * 8 <= found["point_bytes"] < 100  # Five velocities per point.
+    assert found["work_bytes"] < 5000  # These bytes are sent once per worker, even if a sweep has ten million points.
+    assert 5 * 8 <= found["point_bytes"] < 100  # Each point sends five velocities.
 
 
 def test_the_cost_of_steps_and_batches_is_measured():
@@ -77,7 +79,9 @@ def test_the_command_writes_what_it_shows(tmp_path, monkeypatch, capsys):
 
 
 def test_choices_of_auto_are_reported_for_a_motion_without_evaluations():
-    """Check a motion of free flights. Its cost was divided by the zero evaluations of the alternatives."""
+    """Check a motion that consists only of free flights. In an earlier version, its cost was divided by the number of
+    evaluations of the alternatives, which is zero.
+    """
     one = Judged(3, 1e-2, "accurate", 0.0, {"accurate": 0.0, "radau": 0.0}, 0.0)
     (row,) = report([one], "").rows
     assert row[:7] == ["0.01", "accurate", "1", "0", "0", "0", "0"]
@@ -105,7 +109,7 @@ def measurement_of(kind):
 
 @pytest.mark.parametrize("kind", [pytest.param(kind, id=name) for name, kind in benchmarks_over_time()])
 def test_benchmarks_over_time_run(kind, monkeypatch):
-    """Run each benchmark with the least possible work, on the code that the command measures."""
+    """Run each benchmark with the smallest possible amount of work. The benchmark uses the same code as the command."""
     monkeypatch.setattr("benchmarks.render.MOST_FRAMES", 4)
     monkeypatch.setattr("benchmarks.over_time.solves.COLLISIONS", 2)
     monkeypatch.setattr("benchmarks.over_time.steps.measure", lambda case: {"nanoseconds": 1.0})
@@ -122,7 +126,9 @@ KEPT = sorted(RELEASES.glob("*/*-*.json"))
 
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem[:8])
 def test_every_benchmark_of_a_kept_release_ran(path):
-    """Check that a stored result has a number for each case, the hardware, and the versions of the dependencies."""
+    """Check the stored benchmark results of a release. The results must contain a number for each case, the hardware,
+    and the versions of the dependencies.
+    """
     found, machine = (json.loads(file.read_text(encoding="utf-8")) for file in (path, path.parent / "machine.json"))
     columns = found["result_columns"]
     results = {name: dict(zip(columns, values, strict=False)) for name, values in found["results"].items()}

@@ -1,5 +1,5 @@
-"""Tests of the documentation: its examples, its notebooks and the commands of the README run, and Sphinx builds it
-without a warning.
+"""Tests of the documentation. Examples, notebooks and the commands of the README must run. Sphinx must build the
+documentation without a warning.
 """
 
 import doctest
@@ -30,13 +30,13 @@ FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 @pytest.mark.parametrize("page", [page for page in PAGES if ">>> " in TEXTS[page.name]], ids=lambda page: page.name)
 def test_examples_run(page, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # Examples write their files to this folder.
+    monkeypatch.chdir(tmp_path)  # The examples write their files to this folder.
     failed, tried = doctest.testfile(str(page), module_relative=False, optionflags=FLAGS)
     assert failed == 0 < tried
 
 
 def command_lines():
-    """Yield (page, command line) for every command in shell blocks and between backticks."""
+    """Yield the page and the text of every command in shell blocks and between backticks."""
     for name, text in TEXTS.items():
         blocks = [line for kind, body in FENCED.findall(text) if kind == "sh" for line in body.splitlines()]
         spans = re.findall(r"`(softcradle [^`\n]+)`", text)
@@ -59,7 +59,7 @@ BLOCKS = [(name, body) for name, text in ALL.items() for kind, body in FENCED.fi
 @pytest.mark.usefixtures("own_folder")
 @pytest.mark.parametrize(("page", "body"), BLOCKS, ids=[page for page, _ in BLOCKS])
 def test_python_blocks_run(page, body, tmp_path, monkeypatch):
-    """Run each Python block in its own folder, and check that it writes exactly the files that it names."""
+    """Run each Python block in its own folder. The block must write exactly the files that it names."""
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     (tmp_path / "out").mkdir()
@@ -68,27 +68,30 @@ def test_python_blocks_run(page, body, tmp_path, monkeypatch):
     assert written == set(re.findall(r"[\w-]+\.(?:npz|html|pdf|csv)", body))
 
 
-# Checks of numpydoc that are left out: line breaks, and information that the type hints give.
+# Checks of numpydoc that are left out. They concern line breaks and information that the type hints contain.
 LEFT_OUT = "GL01", "GL02", "GL03", "SA01", "EX01", "ES01", "RT01", "SS05", "SS06", "PR07"
 
 
 @pytest.mark.parametrize("name", re.findall(r"auto(?:class|function):: (\S+)", TEXTS["api.md"]))
 def test_docstrings_are_in_the_style_of_numpy(name):
-    """Validate public docstrings with numpydoc: known and complete sections in the right order, written in sentences."""
+    """Validate public docstrings with numpydoc. The sections must be known, complete and in the right order. They must
+    consist of sentences.
+    """
     found = resolve_name(name)
     members = re.search(rf":: {re.escape(name)}\n   :members: (.*)", TEXTS["api.md"])
     for one in (found, *(getattr(found, member) for member in (members[1].split(", ") if members else ()))):
         assert not re.search(r"^\s+(Args|Arguments|Attributes|Returns|Raises|:param .*):", one.__doc__, re.MULTILINE)
     if re.search(r"^\s+(Parameters|Attributes|Raises)\n\s+-+$", found.__doc__, re.MULTILINE):
         wrong = dict(validate(f"{found.__module__}.{found.__name__}")["errors"])
-        if "Parameters\n" not in found.__doc__:  # Classes whose attributes are only read need no section Parameters.
+        # If users only read the attributes of a class, its docstring does not need the section Parameters.
+        if "Parameters\n" not in found.__doc__:
             wrong.pop("PR01", None)
         assert {code: said for code, said in wrong.items() if code not in LEFT_OUT} == {}
 
 
 def test_it_is_built_without_a_warning(tmp_path):
-    """Build the documentation with warnings as errors. Compiling kernels prints to standard error, which is not a
-    warning.
+    """Build the documentation with warnings as errors. Messages about compiling kernels on standard error do not count
+    as warnings.
     """
     for name in ("sphinx", "furo", "myst_parser", "latex2mathml", "sphinx_gallery"):
         pytest.importorskip(name, reason="the extra [docs] is not installed")
@@ -123,7 +126,7 @@ def test_a_command_of_the_readme_runs(line, tmp_path, monkeypatch):
     monkeypatch.setattr("softcradle.sandbox.window.app.App.run", lambda app: app.close())
     Path("out").mkdir()
     arguments = shlex.split(line)[1:]
-    assert main([*arguments, *(["1b"] if "figures" in arguments else [])]) == 0  # Draw only one of the figures.
+    assert main([*arguments, *(["1b"] if "figures" in arguments else [])]) == 0  # Draw only one figure.
     assert {path.name for path in tmp_path.iterdir()} - {"cache"} == {"out"}
 
 

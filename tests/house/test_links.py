@@ -1,5 +1,5 @@
-"""Tests of links in the documentation, paths in the architecture page, and the links to folders that set-up makes for
-editors.
+"""Tests of links in the documentation and of paths in the architecture page. The tests also check the links to folders
+that the set-up creates for editors.
 
 `make check` runs this file. `make links` checks the links to other sites.
 """
@@ -19,7 +19,7 @@ INCLUDED = re.compile(r"^```\{include\} (\S+)$", re.MULTILINE)
 
 
 def anchors(text: str) -> set[str]:
-    """Return the anchors of the headings of a page, as GitHub and Sphinx make them."""
+    """Return the anchors of the headings of a page. They are formed in the same way as on GitHub and by Sphinx."""
     headings = re.findall(r"^#{1,6} (.+)$", text, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -34,7 +34,7 @@ def dead_links(page: Path, text: str) -> list[str]:
     inside = [target for target in LINK.findall(text) if "://" not in target and not target.startswith("mailto:")]
     dead = [target for target in inside if not leads_somewhere(page, target)]
     dead += [name for name in DOCUMENT.findall(text) if not (page.parent / f"{name}.md").is_file()]
-    # The build writes the files of _made/.
+    # The build of the documentation writes the files in the folder _made/.
     kept = [part for part in INCLUDED.findall(text) if not part.startswith("_made/")]
     return dead + [part for part in kept if not (page.parent / part).is_file()]
 

@@ -1,4 +1,4 @@
-"""Tests of the counter of sentences that break the language rules."""
+"""Tests of the tool that counts sentences which break the language rules."""
 
 import json
 import subprocess

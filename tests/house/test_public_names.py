@@ -1,4 +1,6 @@
-"""Tests of the public names: the list is exact, each is importable and documented, examples run, and imports are fast."""
+"""Tests of the public names. The list of names must be exact, and each name must be importable and documented. Examples
+must run, and imports must be fast.
+"""
 
 import ast
 import doctest
@@ -24,13 +26,15 @@ PUBLIC = [
 def test_exactly_these_are_importable_and_documented():
     assert sorted(physics.__all__) == dir(physics) == PUBLIC
     names: dict[str, object] = {}
-    exec("from softcradle import *", names)  # `import *` is allowed only at module level, so `exec` runs it.
+    # `import *` is allowed only at module level. Inside a function, `exec` is needed.
+    exec("from softcradle import *", names)
     assert sorted(names.keys() - {"__builtins__"}) == sorted([*PUBLIC, "fit", "open_film", "play", "sweep"])
     assert dir(softcradle) == sorted([*PUBLIC, "__version__", "fit", "open_film", "play", "sweep"])
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert softcradle.__version__ == project["version"]
     for name in PUBLIC:
-        # A module with this name would replace the public name in the package as soon as it is imported.
+        # A module with the same name as a public object would replace the object in the package when the module is
+        # imported.
         assert not (ROOT / "physics" / f"{name}.py").exists()
         value = getattr(physics, name)
         assert inspect.getdoc(value)
@@ -59,7 +63,7 @@ HEAVY = ("numpy", "numba", "scipy", "pymunk", "pygame", "matplotlib", "av", "PIL
         ("import softcradle; softcradle.METHODS", HEAVY),
         ("import softcradle.sandbox.cli.main", HEAVY),
         ("import softcradle.physics.simulation", [name for name in HEAVY if name != "numpy"]),
-        # SciPy is left out because Numba imports it if it is installed.
+        # The test does not look for SciPy, because Numba imports SciPy if it is installed.
         ("import softcradle.physics.fixed_step.runner", ("pymunk", "pygame")),
         ("import softcradle.physics.reference.runner", ("numba", "pymunk", "pygame")),
         ("import softcradle.sandbox.session.session", [name for name in HEAVY if name not in {"numpy", "pydantic"}]),

@@ -1,5 +1,5 @@
-"""Tests of the scans of random chains: what they draw, how they judge runs, how they resume; and tests of the reference
-solver.
+"""Tests of the scans of random chains. The tests check which chains a scan draws, how it classifies runs, and how it
+resumes. The reference solver is tested as well.
 """
 
 import json
@@ -46,7 +46,8 @@ def test_the_source_of_a_reference_solution():
 
 
 def test_coarser_runs_replace_unfinished_fine_runs():
-    chosen = motion("bounded", 7)  # At tolerance 1e-12, two runs of each method end; at 1e-13, none does.
+    # At the tolerance 1e-12, two runs of each method reach their end. At 1e-13, all runs stop early.
+    chosen = motion("bounded", 7)
     found = truth_of(chosen)
     assert found.source == "spread of fine runs"
     assert found.doubt.max() < 1e-9
@@ -127,7 +128,9 @@ def test_the_path_of_fine_runs_is_that_of_the_reference():
 
 
 def test_positions_and_contact_times_of_the_reference_on_a_bed():
-    """Compare with closed forms: a bead slides 0.1 m to the next one, and a single bead slides until it rests."""
+    """Compare two motions on a friction bed with closed forms. In the first motion a bead slides 0.1 m and hits another
+    bead. In the second motion a single bead slides until it rests.
+    """
     brake, far = 0.05 * 9.80665, Chain([2.0, 1.0], hertz(1.0), gap=0.1, friction=0.05)
     found = reference_end(far, [1.5, 0.0], 0.5, 1e-12)
     assert found.events[0].time == pytest.approx((1.5 - math.sqrt(1.5**2 - 0.2 * brake)) / brake, rel=1e-12)
@@ -154,7 +157,8 @@ def test_an_interrupted_scan_continues(tmp_path, capsys, monkeypatch):
     kept = [json.loads(line) for line in verdicts.read_text().splitlines() if line]
     assert [(one["seed"], one["verdict"]) for one in kept] == [(0, "within"), (1, "within"), (2, "within")]
     with verdicts.open("a") as file:
-        file.write('\n{"family": "cut o')  # An interrupted scan leaves an incomplete line like this.
+        # An interrupted scan leaves an incomplete last line, which this line imitates.
+        file.write('\n{"family": "cut o')
     assert command.main([*given, "--markdown", str(tmp_path / "scan.md")]) == 0
     assert judge.call_count == 4
     assert (tmp_path / "truths.jsonl").read_text() == truths
@@ -200,13 +204,13 @@ def test_the_table_names_the_seeds_that_fail(found):
     assert row[3] == "1"
     assert row[-1] == str(failed.seed)
     assert table.rows[-1][:2] == ["all", "21"]
-    # These families exchange momentum with the ground or a wall.
+    # Chains of these families exchange momentum with the ground or with a wall.
     assert {row[0] for row in table.rows if row[4] == "-"} == {"friction", "walls"}
 
 
 def test_errors_beyond_a_thousandth_are_warned_of():
-    """Check that large errors come with a warning. A longer scan found an exception: one in hundreds, at four times the
-    default step.
+    """Check that every large error comes with a warning. A longer scan found exceptions with four times the default
+    step. About one chain in hundreds had a large error without a warning.
     """
     found = [one for number in range(40) for one in errors(number)]
     assert [one for one in found if one.error > LARGE and not one.warned] == []
@@ -283,8 +287,8 @@ def test_it_says_that_it_gives_up():
 @pytest.mark.parametrize("family", ["gears", "walls", "driven", "loss", "friction", "timed", "couplers"])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 def test_method_scipy_ends_where_it_does(family, tolerance):
-    """Compare method scipy with the reference, within the tolerance. In 140 chains of the scan, the largest error was a
-    hundredth of it.
+    """Compare the method scipy with the reference. The results must agree within the tolerance. In 140 chains of the
+    scan, the largest error was a hundredth of the tolerance.
     """
     compared = 0
     for seed in range(8):

@@ -1,5 +1,5 @@
-"""Tests of the test suite: only the test that leaves something behind fails, and the options for order and time limit
-work.
+"""Tests of the test suite. If a test leaves something behind, only this test must fail. The options for the order of
+tests and for the time limit must work.
 """
 
 import os
@@ -31,7 +31,9 @@ def test_nothing():
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="this system does not tell what a process has")
 def test_only_the_test_that_leaks_fails(tmp_path):
-    """Run the tests in LEAVING with the settings of this suite, and read the outcomes that pytest prints."""
+    """Run the tests in LEAVING with the settings of this suite. Compare the outcomes that pytest prints with the
+    expected outcomes.
+    """
     (tmp_path / "test_a.py").write_text(LEAVING, encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-v", "-n", "0", "-p", "tests.conftest", "-p", "no:cacheprovider"]
     command += ["--rootdir", str(tmp_path), "-c", os.devnull, str(tmp_path)]
@@ -45,7 +47,7 @@ def test_only_the_test_that_leaks_fails(tmp_path):
 
 
 def collected(seed):
-    """Return two tests of each of eight files, in the order that the text `seed` gives."""
+    """Return the names of two tests of each of eight files. The text `seed` determines their order."""
     items = [SimpleNamespace(path=file, number=number) for file in "abcdefgh" for number in (1, 2)]
     conftest.pytest_collection_modifyitems(SimpleNamespace(getoption={"--order": seed}.get), items)
     return [(item.path, item.number) for item in items]

@@ -1,4 +1,6 @@
-"""Tests of the wheel: it has one top-level name and all files, and it works next to a user's folder named `physics`."""
+"""Tests of the wheel. The wheel must contain one top-level name and all files. It must work next to a user's folder
+with the name `physics`.
+"""
 
 import os
 import re
@@ -32,7 +34,7 @@ ASSETS = (
     "page/kernels.wasm",
 )
 
-# The user's game has folders with the same names as the package's folders.
+# The user's game contains folders with the same names as the folders of the package.
 GAME = """
 import physics, sandbox, scenes
 assert [module.OF for module in (physics, sandbox, scenes)] == ["the game"] * 3
@@ -41,7 +43,8 @@ import softcradle.physics, softcradle.scenes, softcradle.sandbox
 print(simulate(one_on(1, power_law(1.0, 1.0)), [1, 0], method="verlet").final_velocity.round(3) + 0.0)
 """
 
-# Import every module of the package that needs only the core dependencies, and print the paths of modules and assets.
+# This program imports every module of the package that needs only the core dependencies. It prints the paths of modules
+# and assets.
 EVERY_FILE = f"""
 import importlib, pkgutil, softcradle
 from softcradle.sandbox.files import resource
@@ -66,15 +69,15 @@ def test_addresses_that_are_not_known_are_left_out():
 
 @dataclass(frozen=True)
 class Installed:
-    """The wheel, installed in its own environment, and a user's folder from which commands run."""
+    """The wheel, installed in its own environment, and a user's folder in which commands run."""
 
     python: Path
     packages: Path
     game: Path
 
     def run(self, *command: str | Path) -> str:
-        """Return the output of a command that runs in the user's folder, with an interpreter that does not know the
-        checkout.
+        """Return the output of a command that runs in the user's folder. Its interpreter does not find the source files
+        of the repository.
         """
         left_out = ("PYTHON", "NUMBA_", "VIRTUAL_ENV")
         kept = {key: value for key, value in os.environ.items() if not key.startswith(left_out)}
@@ -103,7 +106,9 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """Install the wheel in a new environment. It uses the dependencies of the present one, but not its .pth files."""
+    """Install the wheel in a new environment. The new environment uses the dependencies of the present environment, but
+    not its .pth files.
+    """
     home = tmp_path_factory.mktemp("installed")
     builder = venv.EnvBuilder(symlinks=os.name != "nt")
     made = builder.ensure_directories(home / "environment")
@@ -131,8 +136,8 @@ def test_everything_is_in_it_and_nothing_else(wheel):
         for path in (ROOT / folder).rglob("*")
         if path.is_file()
         and "__pycache__" not in path.parts
-        and path.suffix != ".po"  # The wheel has the compiled catalogues.
-        # Other integrators serve the chart of a checkout only.
+        and path.suffix != ".po"  # The wheel contains the compiled catalogues instead.
+        # The folder `peers` contains other integrators. Only the chart in the repository uses them.
         and "peers" not in path.parts
     }
     assert {name for name in contents(wheel) if ".dist-info/" not in name} == expected
@@ -145,7 +150,7 @@ def test_the_description_shows_no_file_that_an_index_does_not_have(wheel):
     assert "Description-Content-Type: text/markdown" in text
     headings = re.findall(r"^## .+$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert re.findall(r"^## .+$", text, re.MULTILINE) == headings
-    assert "](" not in text  # The description contains no links and no pictures.
+    assert "](" not in text  # The description contains neither links nor pictures.
 
 
 def test_the_source_archive_builds_the_same_wheel(wheel, tmp_path):
@@ -173,7 +178,7 @@ def test_every_module_and_asset_comes_from_the_wheel(installed):
 def test_the_wheel_works_next_to_a_folder_named_physics(installed):
     assert installed.run(installed.python, "game.py") == "[0. 1.]\n"
     printed = installed.run(installed.python, "-m", "softcradle", "run", "one-on-four")
-    assert "0.5675856" in printed  # Final velocity of the striker [m/s].
+    assert "0.5675856" in printed  # This number is the final velocity of the first bead [m/s].
     assert "accurate, tolerance 1e-08" in printed
     assert "one-on-four" in installed.run(installed.python.with_name("softcradle"), "scenes")
     program = "from softcradle.sandbox.languages import _, use_language\nuse_language('de')\nprint(ascii(_('Undo')))"
@@ -210,8 +215,8 @@ warm("verlet")
 
 
 def test_a_user_s_script_is_type_checked_against_the_wheel(installed):
-    """Check a script in which each ignored line is wrong. With --strict, mypy also reports an ignore comment that is
-    not needed.
+    """Check a script with type errors. Each line with an ignore comment is wrong. With --strict, mypy also reports an
+    ignore comment that is not needed.
     """
     pytest.importorskip("mypy")
     (installed.game / "user.py").write_text(USER_SCRIPT, encoding="utf-8")

@@ -30,7 +30,7 @@ ALL = (*adaptive.TIERS.values(), *TIERS.values(), soft_chain.KERNELS)
 
 @pytest.fixture
 def cold(monkeypatch):
-    """Simulate a machine without any compiled kernels. Starting a compilation has no effect."""
+    """Simulate a machine without any compiled kernels. Attempts to start a compilation are ignored."""
     for kernels in ALL:
         for name, value in (("_loaded", False), ("_first", False), ("spent", 0.0)):
             monkeypatch.setattr(kernels, name, value)
@@ -132,7 +132,7 @@ def test_a_run_of_unknown_length_is_tried_and_begun_anew(cold, waited):
 
 @pytest.fixture
 def locked(tmp_path, monkeypatch):
-    """Return a function that creates kernels with a lock in a cache of their own. According to the lock, the process
+    """Return a function that creates kernels with a separate cache and a lock. According to the lock, the process
     `number` compiles these kernels.
     """
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))

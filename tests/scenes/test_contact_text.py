@@ -1,4 +1,4 @@
-"""Tests of contacts as a line of text: reading, writing and error messages."""
+"""Tests of contact laws that are written as a line of text. The tests check reading, writing and error messages."""
 
 import pytest
 from hypothesis import given
@@ -16,7 +16,7 @@ def test_names_numbers_and_fractions():
         assert contact_from(f" power{arguments}").contact() == physics.power_law(2.0, 1 / 14)
     assert contact_text(physics.draft_gear(770.0, 0.0177)) == "draft_gear(770, 0.0177)"
     rounded = next(one for k in range(1, 99) if law_of(one := physics.Contact(k / 10.0, 0.7, 1.0)).law == "preloaded")
-    # This rounding is only in the text. No precompression would give exactly these digits.
+    # Only the text contains the rounded number. No precompression gives exactly these digits.
     assert contact_text(rounded).startswith("draft_gear(0.7, ")
 
 

@@ -1,4 +1,4 @@
-"""Mistakes in scene files: every problem is reported, with its line or key and what to write instead."""
+"""Tests of mistakes in scene files. Every problem must be reported with its line or key and with a correction."""
 
 import pytest
 from softcradle.scenes import SceneError, load, parse
@@ -12,7 +12,7 @@ velocity = [1.0, 0.0, 0.0]
 
 
 def problems_of(text: str) -> list[str]:
-    """Return the problems of a scene file with this text, without the name of the file."""
+    """Return the problems of a scene file with the given text. The name of the file is removed from the messages."""
     with pytest.raises(SceneError) as refused:
         parse(text, "own.toml")
     assert all(problem.startswith("own.toml: ") and "\n" not in problem for problem in refused.value.problems)

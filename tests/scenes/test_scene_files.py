@@ -1,5 +1,5 @@
-"""Tests of scene files, with couplers: the catalogue agrees with its texts, files are written back equal, and invalid
-files are rejected.
+"""Tests of scene files, including scenes with couplers. The scenes must agree with their descriptions. A file that is
+read and written again must be equal, and invalid files must be rejected.
 """
 
 import math
@@ -21,7 +21,7 @@ from softcradle.scenes.scene_schema import MOST_BEADS
 from softcradle import scenes
 from tests.helpers.relations import FIXED_STEP, simulate_quietly
 
-# Final velocities [m/s] from quadruple-precision solutions.
+# Final velocities [m/s] of quadruple-precision solutions.
 TRUE_OUTCOMES = {
     "one-on-four": (-0.567586, 0.173921, 0.454079, 0.469784, 0.469802),
     "one-on-four-softer": (-0.597544, 0.338743, 0.419348, 0.419727, 0.419727),
@@ -32,8 +32,8 @@ TRUE_OUTCOMES = {
 
 
 def final_velocities(name: str) -> list[np.ndarray]:
-    """Return the final velocities of every lane. In the scene `mixed` they are determined only to 1e-4, so that its
-    runs warn.
+    """Return the final velocities of every lane. In the scene `mixed` they are determined only to 1e-4, so its runs
+    warn.
     """
     found = [simulate_quietly(lane.chain(), lane.velocity) for lane in scenes.load(name).lanes]
     assert name == "mixed" or not any(run.warnings for run in found)
@@ -43,13 +43,13 @@ def final_velocities(name: str) -> list[np.ndarray]:
 @pytest.mark.parametrize("name", scenes.names())
 def test_every_scene_is_written_back_equal(name, tmp_path):
     scene = scenes.load(name)
-    # Some editors write a byte order mark at the beginning.
+    # Some editors write a byte order mark at the beginning of a file.
     (tmp_path / "own.toml").write_text(scene.to_toml(), encoding="utf-8-sig")
     assert scenes.load(tmp_path / "own.toml") == scene
     assert scenes.text_of(tmp_path / "own.toml") == scene.to_toml()
     assert scene.title
     assert scene.source
-    # The trains stop and reverse dozens of times, so they use fixed steps, which are faster.
+    # The trains stop and reverse dozens of times. Methods of fixed steps are faster for such motions.
     assert scene.method is None or name.startswith("train-")
     endless = any(lane.chain().walls or lane.drive or lane.strings for lane in scene.lanes) or name.startswith("train-")
     assert endless == (scene.duration is not None)
@@ -75,15 +75,16 @@ def test_texts_agree_with_the_motions():
     three_on_five, mixed = final_velocities("three-on-five")[0], final_velocities("mixed")[0]
     assert (three_on_five[:3] < -0.2).all()
     assert (three_on_five[3:] > 0.7).all()
-    assert np.ptp(mixed[1:]) / mixed[1:].mean() < 0.03  # "almost as one body"
+    assert np.ptp(mixed[1:]) / mixed[1:].mean() < 0.03  # The description of the scene contains "almost as one body".
     four_on_one, one_on_four = final_velocities("galilean")
     np.testing.assert_allclose(four_on_one, 1.0 - one_on_four[::-1], atol=1e-9)
-    assert four_on_one[-1] > 1.5  # "one and a half times as fast as the four came"
+    # The description of the scene contains "one and a half times as fast as the four came".
+    assert four_on_one[-1] > 1.5
     assert (four_on_one[:4] > 0.5).all()
     rigid, usual = final_velocities("locked-pistons")
     assert rigid[1:] == pytest.approx(0.25, abs=2e-3)
     assert np.ptp(rigid[1:]) < 1e-9
-    assert usual[3] > 0.98 * 0.5  # "almost all the speed"
+    assert usual[3] > 0.98 * 0.5  # The description of the scene contains "almost all the speed".
     assert np.abs(usual[:3]).max() < 0.12 * 0.5
     for name, strikers in (("draft-gear-one-on-three", 1), ("draft-gear-two-on-two", 2)):
         (gears,) = final_velocities(name)
@@ -112,7 +113,7 @@ def test_short_forms_mean_what_they_stand_for():
     wall = lane('mass = [inf, 1, 2]\nvelocity = [0, -1, 0]\ngap = [1, 0.5]\ncontact = {law = "hooke", stiffness = 3}')
     assert wall.chain() == Chain([math.inf, 1.0, 2.0], hooke(3.0), [1.0, 0.5])
     with pytest.raises(ValueError, match="mass"):
-        # A mass of None means a wall only in JSON.
+        # A mass of None means a wall only in JSON files.
         Lane(mass=(None, 1.0), velocity=(0.0, 1.0), contact={"law": "hertz", "stiffness": 1.0})
 
 
@@ -124,13 +125,14 @@ def test_overrides_replace_what_the_scene_says():
     assert scenes.load("one-on-four").settings() == {}
     rough = scenes.load("one-on-four").model_copy(update={"tolerance": 1e-4})
     assert rough.settings(method="accurate") == {"method": "accurate", "tolerance": 1e-4}
-    # The window uses `conserving` for a scene with a step.
+    # The window uses the method `conserving` for a scene with a step.
     stepped = scenes.load("one-on-four").model_copy(update={"step": 0.01})
     assert stepped.settings() == {"method": "conserving", "step": 0.01}
     assert stepped.settings(method="accurate") == {"method": "accurate"}
     pulling = scenes.parse(TRAIN.replace('method = "conserving"', "").replace("exponent = 1.7", "exponent = 0.7"))
-    assert pulling.settings() == {"duration": 1.0, "method": "conserving"}  # `accurate` rejects this chain.
-    assert MOST_SAMPLED >= 1001 * MOST_BEADS  # The largest lane accepts as many samples as `run` takes.
+    assert pulling.settings() == {"duration": 1.0, "method": "conserving"}  # The method `accurate` rejects this chain.
+    # A lane with the largest number of beads accepts as many samples as `run` takes.
+    assert MOST_SAMPLED >= 1001 * MOST_BEADS
 
 
 POSITIVE = st.floats(min_value=1e-6, max_value=1e6)
@@ -199,7 +201,9 @@ ANYTHING = st.recursive(
 @given(data=st.data())
 @settings(max_examples=300, deadline=None)
 def test_any_file_is_a_scene_or_a_refusal(data):
-    """Set one key of a valid scene to any value. The parser must return, and it may raise only SceneError."""
+    """Set one key of a valid scene to any value. The parser must accept the scene or raise a SceneError. Other
+    exceptions are not allowed.
+    """
     import tomli_w
 
     table = tomllib.loads(scenes.text_of("beads-against-gear"))
@@ -208,7 +212,7 @@ def test_any_file_is_a_scene_or_a_refusal(data):
     place[data.draw(st.sampled_from(keys))] = data.draw(ANYTHING.filter(lambda value: value is not None))
     try:
         text = tomli_w.dumps(table)
-    except TypeError:  # TOML cannot represent null.
+    except TypeError:  # TOML cannot represent the value null.
         return
     problems = ()
     try:

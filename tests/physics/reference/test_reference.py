@@ -13,7 +13,7 @@ from softcradle.physics.status import Status, WarningCode
 from benchmarks.scan.families import motion
 from tests.helpers.relations import KERNELS, NAMES, PROMISE, assert_momentum, ledger_error, simulate_quietly
 
-FEW = {  # Random seeds for which the reference method is fast, for each family of chains.
+FEW = {  # For each family of chains, random seeds for which the reference method is fast.
     "couplers": range(1, 10), "bounded": (1, 3, 5, 9, 12, 13), "timed": (2, 5, 8), "driven": (5, 7, 8, 9),
     "friction": (0, 3, 6, 7, 9), "loss": (1, 2, 3, 4, 7), "walls": (0, 2, 8), "own-laws": (1, 2, 3),
 }  # fmt: skip
