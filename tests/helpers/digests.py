@@ -91,7 +91,7 @@ def runs() -> Iterator[tuple[str, Chain, Array, str]]:
 
 
 def solved(chain: Chain, velocity: Array, method: str) -> str:
-    """Return the hash of a run. It includes samples, times of contact changes, final velocities and the number of
+    """Return the hash of a run. The hash includes samples, times of contact changes, final velocities and the number of
     steps.
     """
     duration = CONTACT_TIMES * float(contact_scales(chain, velocity)[1].min())

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 SCRIPT = 0.7  # Size of exponents and indices, as a fraction of the size of the text that contains them.
-LEAST_SIZE = 6.0  # Smallest readable size of a text [points].
+LEAST_SIZE = 6.0  # Smallest size of a text [points] that counts as readable.
 TOUCH = 1.0  # Distance by which the boxes of two texts may overlap [points].
 
 
@@ -56,8 +56,8 @@ def keys_on_curves(figure: Figure) -> list[tuple[str, str]]:
 
 
 def unreadable(figure: Figure) -> list[object]:
-    """Return the texts that are hard to read. They are smaller than LEAST_SIZE, outside the figure, or on other texts
-    or curves. Indices may be smaller by the factor SCRIPT.
+    """Return the texts that are hard to read. Such texts are smaller than LEAST_SIZE, outside the figure, or on other
+    texts or curves. Indices may be smaller by the factor SCRIPT.
     """
     found, edge = [], figure.bbox
     for text, box in texts_of(figure):

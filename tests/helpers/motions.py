@@ -137,7 +137,8 @@ CASES = {
         for speed in (3.001, 3.1, 8.0)
     },
     **{
-        # The beads of the last contact never meet. Its stiffness must not influence the scales of the other contacts.
+        # The beads of the last contact never meet. The stiffness of this contact must not influence the scales of the
+        # other contacts.
         f"beside what never touches, of {stiffness:g} N/m": Case(
             Chain([100.0, 0.01, 1.0, 1.0], [hooke(1e4), hooke(1e4), hooke(stiffness)], [0.05, 0.05, 50.0], friction=0.3),
             [2.0, 2.0, 0.0, 0.0], 0.3, 1e-4, (*EXPLICIT, "conserving"),
@@ -219,6 +220,6 @@ def digits_of(case, method):
 
 
 def runs(names, methods):
-    """Return (name, method) for all combinations of `names` and `methods` that the cases allow."""
+    """Return all pairs (name, method) of `names` and `methods`. Pairs that a motion excludes are left out."""
     pairs = ((name, one) for name in names for one in methods if one not in CASES[name].without)
     return [(name, one) for name, one in pairs if not refusal_of(one, CASES[name].chain)]

@@ -33,8 +33,8 @@ def python(
     return done
 
 
-# Longest time [s] to wait for an answer of a process. It is much longer than an answer takes on a busy machine. It is
-# much shorter than the work that a test interrupts.
+# Longest time [s] to wait for an answer of a process. The limit is much longer than an answer takes on a busy machine.
+# The limit is much shorter than the work that a test interrupts.
 ANSWER = 180.0
 
 
@@ -48,8 +48,8 @@ def until(condition: Callable[[], object], process: subprocess.Popen[Any]) -> No
 
 
 INSIDE = "SOFTCRADLE_OWN_PROCESS"  # Name of the environment variable that is set in the process of a test.
-# Time limit [s] of a test in its own process. It is far longer than any test takes on a busy machine. A test that
-# exceeds it is killed together with its child processes.
+# Time limit [s] of a test in its own process. The limit is far longer than any test takes on a busy machine. A test
+# that exceeds the limit is killed together with its child processes.
 LONGEST = 900.0
 # Commands of processes that may continue after a test. Python keeps one process of each of the first two kinds. The
 # last kind compiles kernels for later tests.

@@ -4,7 +4,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 ONLY_PLAIN = "pytestmark = only_plain"  # Line that marks test files which call single kernels.
-# Layers of the package. A layer may import only itself and layers to its left.
+# Layers of the package. A layer may import only itself and the layers before it in this list.
 LAYERS = ("physics", "scenes", "sandbox")
 
 

@@ -1,5 +1,5 @@
-"""Relations that hold for every motion of every chain with every method. They concern energy, momentum and the order of
-the beads.
+"""Relations that hold for every motion of every chain with every method. The relations concern energy, momentum and the
+order of the beads.
 """
 
 import math
@@ -38,7 +38,7 @@ def simulate_quietly(*arguments: Any, **options: Any) -> Trajectory:
 
 
 def run(*arguments: Any, **options: Any) -> Trajectory:
-    """Call `simulate` with two samples by default."""
+    """Call `simulate`. If the number of samples is not given, use two samples."""
     return simulate(*arguments, **{"samples": 2} | options)
 
 
@@ -94,7 +94,7 @@ def ledger_error(found: Trajectory) -> float:
 
 
 def digits(found: Trajectory) -> list[object]:
-    """Return all results that must be bitwise equal in two runs with the same steps."""
+    """Return the results of a run that must be bitwise equal in two runs with the same steps."""
     arrays = found.time, found.overlap, found.velocity, found.force, found.final_velocity, found.velocity_error
     counted = found.contact_intervals, found.steps, found.evaluations, found.status
     return [*(array.tobytes() for array in arrays), *counted]

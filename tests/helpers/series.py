@@ -1,5 +1,5 @@
-"""Solvers and data series of the work-precision chart. They are for tests that need few measured points or only
-invented points.
+"""Solvers and data series of the work-precision chart. The solvers and series are for tests that need few measured
+points or only invented points.
 """
 
 from dataclasses import replace
@@ -19,7 +19,9 @@ def our_solver(case, name, *finenesses):
 
 
 def made_series(name, ours, *errors_and_times):
-    """Return a data series of invented points (error, seconds). Their step sizes or tolerances are 1, 0.1 and so on."""
+    """Return a data series of invented points (error, seconds). The step sizes or tolerances of the points are 1, 0.1
+    and so on.
+    """
     solver = Solver(name, "", [1.0] * len(errors_and_times), lambda *_: Solution(None, 0.0), ours)
     points = [ChartPoint(solver, 10.0**-k, *both, evaluations=k) for k, both in enumerate(errors_and_times)]
     return Series(solver, points)

@@ -38,8 +38,9 @@ def pull(session: Session, bead: int, places: Iterable[float]) -> None:
         session.tick(1 / 60)
 
 
-# The four scenes that differ most from each other. They have a single chain, two lanes, a permanent external force, and
-# couplers with friction and forces over time. Tests of other scenes are slow tests.
+# The four scenes that differ most from each other. The first scene has a single chain, and the second scene has two
+# lanes. The third scene has a permanent external force. The fourth scene has couplers, friction and forces over time.
+# Tests of other scenes are slow tests.
 UNLIKE = ("one-on-four", "beads-against-gear", "driven-cluster", "train-braking")
 EVERY_SCENE = [name if name in UNLIKE else pytest.param(name, marks=pytest.mark.slow) for name in scenes.names()]
 
@@ -129,7 +130,7 @@ METHODS = ("auto", "conserving", "verlet", "euler", "yoshida4", "accurate", "rad
 # Largest number of beads in a lane. If a lane has more beads, an input that would add a bead removes a bead instead.
 MOST_BEADS = 30
 
-# Numbers of lanes, beads and contacts. They are taken modulo the number of existing items.
+# Numbers of lanes, beads and contacts. These numbers are taken modulo the number of existing items.
 _NUMBERS = st.integers(0, 60)
 _OR_ALL = st.one_of(_NUMBERS, st.none())
 _LAWS = st.one_of(

@@ -47,7 +47,7 @@ def run(space, step=1e-3, count=500):
 
 
 class Quadratic:
-    """A force law that is not a Contact. It raises an error at overlaps above `fails_at` [m]."""
+    """A force law that is not a Contact. The law raises an error at overlaps above `fails_at` [m]."""
 
     def __init__(self, fails_at=math.inf):
         self.fails_at = fails_at

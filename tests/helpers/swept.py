@@ -1,4 +1,4 @@
-"""Functions for the tests of sweeps. They are in a module because other processes must import them."""
+"""Functions for the tests of sweeps. The functions are in a separate module because other processes must import them."""
 
 import os
 import signal

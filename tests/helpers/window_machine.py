@@ -40,7 +40,7 @@ class Place(NamedTuple):
     """A place in the window, or on an item in the window."""
 
     kind: str  # Kind of the item, one of KINDS. If the page does not contain such an item, the whole window is used.
-    number: int  # Number of the bead, contact, widget or plot. It is taken modulo the number of existing items.
+    number: int  # Number of the bead, contact, widget or plot. The number is taken modulo the number of existing items.
     across: float  # Position inside the rectangle of the plot, bar or window, as fractions of its width and height.
     down: float
 
@@ -66,7 +66,7 @@ def point_of(place: Place, driver: Driver) -> tuple[int, int]:
     return min(max(round(x), 0), width - 1), min(max(round(y), 0), height - 1)
 
 
-# Actions that are left out. They would close the window, or they need a real screen or loudspeaker.
+# Actions that are left out. These actions would close the window, or they need a real screen or loudspeaker.
 LEFT_OUT = {"quit", "fullscreen", "sound"}
 KEYS = tuple(key for binding in bindings() if binding.action not in LEFT_OUT for key in binding.keys)
 UNDO_KEYS = (Key(pygame.K_z, CTRL), Key(pygame.K_z, CTRL | SHIFT))
@@ -235,7 +235,7 @@ class WindowMachine(RuleBasedStateMachine):
     @ON_A_SCENE
     @invariant()
     def session_is_consistent(self) -> None:
-        """Check that numbers are finite, that frames are in order, and that the picture shows the present lanes."""
+        """Check that all numbers are finite and all frames are in order. The picture must show the present lanes."""
         page, session = self.driver.page, self.driver.session
         sessions.check_invariants(session)
         sessions.check_order(session)

@@ -58,8 +58,8 @@ class Driver:
         lab: bool = True,
         beside: bool = False,
     ) -> None:
-        """Open the window. `wait`: until all kernels are in memory; `lab`: show all controls; `beside`: Explore opens soft
-        beads next to steel balls.
+        """Open the window. If `wait` is true, wait until all kernels are in memory. If `lab` is true, show all
+        controls. If `beside` is true, the view Explore shows soft beads next to steel balls.
         """
         self.time = 0.0
         if not lab:

@@ -68,14 +68,14 @@ def test_python_blocks_run(page, body, tmp_path, monkeypatch):
     assert written == set(re.findall(r"[\w-]+\.(?:npz|html|pdf|csv)", body))
 
 
-# Checks of numpydoc that are left out. They concern line breaks and information that the type hints contain.
+# Checks of numpydoc that are left out. These checks concern line breaks and information that the type hints contain.
 LEFT_OUT = "GL01", "GL02", "GL03", "SA01", "EX01", "ES01", "RT01", "SS05", "SS06", "PR07"
 
 
 @pytest.mark.parametrize("name", re.findall(r"auto(?:class|function):: (\S+)", TEXTS["api.md"]))
 def test_docstrings_are_in_the_style_of_numpy(name):
-    """Validate public docstrings with numpydoc. The sections must be known, complete and in the right order. They must
-    consist of sentences.
+    """Validate public docstrings with numpydoc. The sections of a docstring must be known, complete and in the right
+    order. The text must consist of sentences.
     """
     found = resolve_name(name)
     members = re.search(rf":: {re.escape(name)}\n   :members: (.*)", TEXTS["api.md"])
@@ -114,7 +114,7 @@ def test_it_is_built_without_a_warning(tmp_path):
 
 LINES = [line.partition("  #")[0].strip() for line in re.findall(r"^    (?=\S)(.+)$", README, re.MULTILINE)]
 ELSEWHERE = ("softcradle claims",)  # Commands that run whole studies. Other tests run these studies.
-# Commands that are not in the README. They write to out/.
+# Commands that are not in the README but are run as well. The commands write to the folder out/.
 UNNAMED = ("softcradle maps power-law --points 4x3", "softcradle chart one-on-4 --ours")
 TOUR = [*(line for line in LINES if line.startswith("softcradle") and line not in ELSEWHERE), *UNNAMED]
 

@@ -19,7 +19,7 @@ INCLUDED = re.compile(r"^```\{include\} (\S+)$", re.MULTILINE)
 
 
 def anchors(text: str) -> set[str]:
-    """Return the anchors of the headings of a page. They are formed in the same way as on GitHub and by Sphinx."""
+    """Return the anchors of the headings of a page. The anchors are formed in the same way as on GitHub and by Sphinx."""
     headings = re.findall(r"^#{1,6} (.+)$", text, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 

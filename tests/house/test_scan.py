@@ -83,8 +83,8 @@ def test_verdicts(monkeypatch):
     assert judged(monkeypatch, 1e-3, status=Status.OUT_OF_STEPS)["verdict"] == "gave up"
     for estimate, expected in ((np.nan, "undetected"), (1e-4, "undetected"), (2e-3, "reported")):
         assert judged(monkeypatch, 1e-3, velocity_error=np.full(5, estimate))["verdict"] == expected
-    # A difference between coarse runs does not measure the error. A difference between fine runs shows that the motion
-    # is not determined to the estimated error.
+    # A difference between coarse runs does not measure the error. A difference between fine runs shows that the
+    # estimated error of the motion is too small.
     for source, expected in (("spread", "unknown"), ("spread of fine runs", "undetected")):
         truth = Truth(TRUTH.velocity, np.full(5, 1e-2), source)
         assert judged(monkeypatch, 1e-3, truth, velocity_error=np.full(5, 1e-7))["verdict"] == expected

@@ -1,5 +1,5 @@
-"""Tests of the wheel. The wheel must contain one top-level name and all files. It must work next to a user's folder
-with the name `physics`.
+"""Tests of the wheel. The wheel must contain one top-level name and all files. The installed package must work next to
+a user's folder with the name `physics`.
 """
 
 import os
@@ -43,8 +43,8 @@ import softcradle.physics, softcradle.scenes, softcradle.sandbox
 print(simulate(one_on(1, power_law(1.0, 1.0)), [1, 0], method="verlet").final_velocity.round(3) + 0.0)
 """
 
-# This program imports every module of the package that needs only the core dependencies. It prints the paths of modules
-# and assets.
+# This program imports every module of the package that needs only the core dependencies. The program prints the paths
+# of modules and assets.
 EVERY_FILE = f"""
 import importlib, pkgutil, softcradle
 from softcradle.sandbox.files import resource
@@ -76,8 +76,8 @@ class Installed:
     game: Path
 
     def run(self, *command: str | Path) -> str:
-        """Return the output of a command that runs in the user's folder. Its interpreter does not find the source files
-        of the repository.
+        """Return the output of a command that runs in the user's folder. The Python interpreter does not find the
+        source files of the repository.
         """
         left_out = ("PYTHON", "NUMBA_", "VIRTUAL_ENV")
         kept = {key: value for key, value in os.environ.items() if not key.startswith(left_out)}

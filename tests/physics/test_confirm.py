@@ -1,5 +1,5 @@
-"""Tests of motions that amplify errors: deep soft contacts that oscillate, and draft gears that chatter between two
-beads that hit them from both sides.
+"""Tests of motions that amplify errors. Some motions have oscillating soft contacts. In other motions, two beads hit
+draft gears from both sides, and the gears chatter.
 """
 
 import math
@@ -61,8 +61,8 @@ def test_runs_of_like_steps_are_no_confirmation(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_motion_that_only_round_off_determines_says_so(method: str) -> None:
-    """Check draft gears that are hit far below their preload. They behave like rigid spheres. Round-off then determines
-    the result of a collision of many spheres, but not its energy and momentum.
+    """Check draft gears that are hit far below their preload. Such gears behave like rigid spheres. Round-off then
+    determines the result of a collision of many spheres, but not its energy and momentum.
     """
     found = hit_from_both_sides(4, 1.0, 10.0, -0.2, 1e-6, method)
     assert any(warning.code == "sensitive" for warning in found.warnings)
@@ -195,8 +195,9 @@ def test_the_verdict_on_runs(runs: list[Run], result: int | None, status: Status
 
 @pytest.mark.parametrize("apart", [0.0, 5e-7, -5e-7, 2e-5, 1.0])
 def test_the_error_of_a_confirmed_run_is_shown_by_the_difference(apart: float) -> None:
-    """Check the three terms of the error of a confirmed run. They are three times the difference of each bead, the
-    largest difference of all beads, and a tenth of the estimate of the first run.
+    """Check the three terms of the error of a confirmed run. The first term is three times the velocity difference of
+    each bead. The second term is the largest velocity difference of all beads. The third term is a tenth of the
+    estimate of the first run.
     """
     runs = finer_runs(0.0, apart, steps=9_000)
     found = verdict(AIM, [runs[0]._replace(estimate=np.array([4e-6, 4e-6, 2e-6])), runs[1]])
@@ -205,8 +206,8 @@ def test_the_error_of_a_confirmed_run_is_shown_by_the_difference(apart: float) -
 
 
 def test_the_error_contains_the_estimate_of_a_run_that_spent_its_budget() -> None:
-    """Check a finer run that exhausted its budget and was finished by the method `conserving`. Its error can be larger
-    than the error of the first run.
+    """Check a finer run that exhausted its budget and was finished by the method `conserving`. The error of the finer
+    run can be larger than the error of the first run.
     """
     spent = finer_runs(0.0, 1e-6, spent=True, estimate=np.full(3, 1e-3))
     assert verdict(AIM, spent).error == pytest.approx([1.001e-3, 1.001e-3, 1.003e-3])

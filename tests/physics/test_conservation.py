@@ -39,8 +39,8 @@ def test_momentum_is_conserved_to_round_off(method):
 @pytest.mark.parametrize("seed", [4, 5])
 def test_rows_of_gears_that_chatter_keep_their_momentum(seed):
     """Check the momentum of chains of 40 contacts. The contacts are constant forces, draft gears and draft gears with
-    loss, and a fifth of them have gaps. They open and close thousands of times, and many of their rates are set to
-    0.
+    loss, and a fifth of them have gaps. The contacts open and close thousands of times, and many of their rates are
+    set to 0.
     """
     n = 40
     draw = np.random.default_rng([99, seed])
@@ -116,8 +116,8 @@ def test_the_ledger_of_conserving_closes_to_round_off(seed, parts):
 
 @pytest.mark.parametrize("seed", range(15))
 def test_the_ledger_of_radau_closes_with_the_tolerance(seed):
-    """Check that the energy balance is correct within ten tolerances (measured: 0.4). Its error must decrease at a
-    finer tolerance.
+    """Check that the energy balance is correct within ten tolerances (measured: 0.4). The error of the balance must
+    decrease at a finer tolerance.
     """
     chain, velocity = random_dissipative(seed, 4)
     errors = []

@@ -42,11 +42,11 @@ def test_order_on_smooth_motion(method, case):
 @pytest.mark.parametrize("law", TOUCHES, ids=str)
 @pytest.mark.parametrize("method", FIXED_STEP, ids=lambda method: method.name)
 def test_order_at_a_touch(method, law):
-    """Check the order of convergence when beads meet. It is min(order, 1 + a) without a preload, and 1 with a preload.
-    The error is the root mean square over different times within a step at which the beads meet.
+    """Check the order of convergence when beads meet. The expected order is min(order, 1 + a) without a preload, and 1
+    with a preload. The error is the root mean square over different times within a step at which the beads meet.
 
-    A set-valued method uses mean forces. It integrates the beginning of the contact exactly and keeps its order on a
-    single contact.
+    A set-valued method uses mean forces. Such a method integrates the beginning of the contact exactly and keeps its
+    order on a single contact.
     """
     after, counts, phases = 0.25, (64, 128, 256, 512), (np.arange(8) + 0.5) / 8
     exact = simulate(Chain([1, 1], law), [1, 0], after, "scipy", samples=2, tolerance=1e-10).final_velocity
@@ -115,9 +115,9 @@ def test_tolerances(method, truth):
     assert np.abs(found.overlap[rows] - truth.overlap).max() < bound * truth.largest_overlap.max()
     assert np.abs(found.ledger / found.ledger[0] - 1.0).max() < 10.0 * tolerance
     if not swings:  # The force of a soft contact between other contacts oscillates about its mean.
-        # Force error [N] for a velocity error of 1 m/s in the rate: sqrt(mu df/dd), as an array of shape (T, n). It is
-        # unbounded when a contact with an exponent below 1 opens. The slope is taken at the overlap or at the error of
-        # the overlap, whichever is larger.
+        # Force error [N] for a velocity error of 1 m/s in the rate: sqrt(mu df/dd), as an array of shape (T, n). The
+        # force error is unbounded when a contact with an exponent below 1 opens. The slope is taken at the overlap or
+        # at the error of the overlap, whichever is larger.
         _, stiffness, exponent = truth.chain.power_law_rows.T
         overlap = np.maximum(np.abs(truth.overlap), bound * truth.largest_overlap)
         slopes = exponent * stiffness * overlap ** (exponent - 1.0)

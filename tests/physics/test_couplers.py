@@ -140,7 +140,7 @@ def test_a_wagon_that_rolls_up_couples_when_it_meets_the_other(method):
     (push, pull) = found.contact_intervals[0]
     assert push == pytest.approx((meets, meets + lasts), abs=1e-4)
     assert pull == pytest.approx((meets + lasts + 0.02 / 1.5, meets + 2.0 * lasts + 0.02 / 1.5), abs=2e-4)
-    # These peaks are between samples.
+    # These peak forces are reached between samples.
     assert (found.force.max(), found.force.min()) == pytest.approx((BLOW, -BLOW), rel=1e-3)
     np.testing.assert_allclose(found.ledger, found.ledger[0], rtol=error)
 

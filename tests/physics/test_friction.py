@@ -21,7 +21,7 @@ from tests.helpers.relations import SET_VALUED, fineness, ledger_error, simulate
 from tests.helpers.spaces import LOSSY
 
 DISSIPATIVE = [method.name for method in METHODS if method.dissipative]
-# Allowed relative error of the restitution. It is 1e-7 for methods that are not listed.
+# Allowed relative error of the restitution. The allowed error is 1e-7 for methods that are not listed.
 ERRORS = {"conserving": 1e-6, "euler": 2e-2, "verlet": 4e-3, "pymunk": 2e-2, "accurate": 1e-9, "scipy": 1e-11}
 
 

@@ -30,7 +30,7 @@ CRADLE = one_on(4, power_law(1.0, 0.1))
 
 
 def after(chain: Chain, velocity, duration: float, frames: int, tolerance: float, method: str = "accurate") -> State:
-    """Return the state after `frames` frames. It contains the warnings of the last frame."""
+    """Return the state after `frames` frames. The state contains the warnings of the last frame."""
     state = State.at_start(chain, velocity)
     for _ in range(frames):
         move(chain, state, duration / frames, method, None, tolerance, 200_000)

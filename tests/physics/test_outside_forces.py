@@ -53,10 +53,11 @@ def test_a_free_bead_has_the_double_integral_of_its_force(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
 def test_a_brake_stops_a_bead_and_holds_it(method):
-    """Check a bead that starts at 7 m/s. Its speed is constant for 1 s. Then it decelerates by 2 (t-1) + 2 until it
-    stops.
+    """Check a bead that starts at 7 m/s. The speed of the bead is constant for 1 s. Then the bead decelerates by 2
+    (t-1) + 2 until it stops.
     """
-    stop = math.sqrt(8.0) - 1.0  # This time solves u**2 + 2 u = 7.
+    # The bead stops at the time u that solves u**2 + 2 u = 7, measured from the start of the brake.
+    stop = math.sqrt(8.0) - 1.0
     found = simulate(BRAKED, [7.0, 0.0], 4.0, **settings(method))
     u = np.clip(found.time - 1.0, 0.0, stop)
     bound = 5e-3 if method.name in FIRST_ORDER else 1e-7 if method.adaptive else 2e-6
@@ -159,7 +160,8 @@ def test_a_force_that_jumps_just_before_an_opening_is_no_alarm(seed):
     assert simulate(chain, start, 1.5 * jump, "radau", samples=2, tolerance=1e-8).velocity_error.max() < 1e-6
 
 
-# In this test, live frames of dop853 estimate an error of 2e-7 m/s. This is above the guarantee, so they warn.
+# In this test, live frames of dop853 estimate an error of 2e-7 m/s. The estimate is above the guarantee, so the frames
+# warn.
 @pytest.mark.filterwarnings("ignore:velocities may be off:RuntimeWarning")
 def test_the_work_of_a_drive_is_the_energy_gained(method):
     step = fineness(method.name, 1e-4)

@@ -1,5 +1,5 @@
-"""Tests of user-defined contact laws. They must give the same motions as built-in power laws, conserve energy and
-momentum, and agree with the reference.
+"""Tests of user-defined contact laws. Such laws must give the same motions as built-in power laws. Energy and momentum
+must be conserved, and the results must agree with the reference.
 """
 
 import math
@@ -24,7 +24,7 @@ START = [1.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def power(f0: float, alpha: float) -> Callable[[float], float]:
-    """Return a power law as a user would write it."""
+    """Return a power law as a Python function, as a user would write it."""
     return lambda overlap: f0 * overlap**alpha
 
 

@@ -1,5 +1,5 @@
 """Tests of beads on strings. The tests compare two beads with closed forms, and a cradle with losses with its published
-motion. They also check energy, symmetry, limits, and the chains that methods reject.
+motion. Further tests check energy, symmetry, limits, and the chains that methods reject.
 """
 
 import math

@@ -142,8 +142,8 @@ def test_any_step_duration_and_samples_go_together(method, duration, step, parts
     assert ended.velocity[-1] == pytest.approx(found.final_velocity, abs=1e-12)
 
 
-# Motions of runs without a duration. Their samples must equal the samples of the same motion with a given duration. All
-# methods except pymunk compute samples from stored steps.
+# Motions of runs without a duration. The samples of such a run must equal the samples of the same motion with a given
+# duration. All methods except pymunk compute samples from stored steps.
 ENDED = {name: (case.chain, case.velocity) for name, case in CASES.items() if case.duration is None}
 ENDED["over at once"] = Chain([1.0, 1.0, 1.0], hooke(1.0), gap=0.1), [-1.0, 0.0, 0.0]
 ADAPTIVE = [name for name, _ in runs([name for name in CASES if name in ENDED], ("accurate",))]

@@ -1,5 +1,5 @@
-"""Tests of the kernels for browsers. The tests check the contents of the WebAssembly file. Its results must be bitwise
-equal to plain Python.
+"""Tests of the kernels for browsers. The tests check the contents of the WebAssembly file. The results of the kernels
+must be bitwise equal to plain Python.
 """
 
 from importlib.util import find_spec

@@ -1,5 +1,5 @@
-"""Tests of short motions that contain every kind of step, mode change and rest. They are simulated with every method,
-with compiled kernels or plain Python.
+"""Tests of short motions that contain every kind of step, mode change and rest. The motions are simulated with every
+method, with compiled kernels or plain Python.
 """
 
 from functools import cache
@@ -50,8 +50,8 @@ def test_beads_at_rest_stay_in_equilibrium(name, method):
 
 @cache
 def by_scipy(name):
-    """Return the run of the method `scipy`. Its duration is the duration that `accurate` finds. With friction, `scipy`
-    continues until all beads rest.
+    """Return the run of the method `scipy`. The duration of the run is the time at which `accurate` ends. With
+    friction, `scipy` continues until all beads rest.
     """
     case = CASES[name]
     duration = case.duration or float(solved(case, "accurate").time[-1])
@@ -95,8 +95,8 @@ LIVE = runs(MOVED_LIVE, METHODS)
 LIVE += [(name, "scipy") for name in MOVED_LIVE if name not in ("gears on straws", "between walls")]
 
 
-# Live frames of "a wagon train" and "hertz with gaps" estimate an error of 2e-5 m/s. This is above the guarantee, so
-# they warn.
+# Live frames of "a wagon train" and "hertz with gaps" estimate an error of 2e-5 m/s. The estimate is above the
+# guarantee, so the frames warn.
 @pytest.mark.filterwarnings("ignore:velocities may be off:RuntimeWarning")
 @pytest.mark.parametrize(("name", "method"), LIVE)
 def test_live_frames_agree_with_the_whole_run(name, method):
@@ -135,7 +135,8 @@ def test_live_frames_agree_with_the_whole_run(name, method):
 
 def test_deep_forces_grow_smoothly_from_the_first_moment():
     """Check the growth rate of small forces just after the first contact. In an earlier version, the force between the
-    third and fourth bead jumped by 0.76 % at 2.5e-13 s. Its logarithmic slope was 0.08 instead of 0.216.
+    third and fourth bead jumped by 0.76 % at 2.5e-13 s. The logarithmic slope of the force was 0.08 instead of
+    0.216.
     """
     times = np.geomspace(1e-15, 1e-9, 241)
     found = simulate(one_on(4, power_law(1.0, 0.1)), [1, 0, 0, 0, 0], 1e-8, samples=times)

@@ -1,6 +1,7 @@
 """Tests of the errors of the adaptive methods.
 
-The error of a run must not exceed ten tolerances unless the run warns. It must also not exceed the estimated error.
+The error of a run must not exceed ten tolerances unless the run warns. The error must also not exceed the estimated
+error.
 """
 
 import math
@@ -32,8 +33,8 @@ from tests.helpers.truth import ELASTIC, GEAR, GEARS
 TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(12, 41))
 HALF_DECADES = TOLERANCES[:21:2]  # Tolerances down to 1e-8 in half decades, for motions that need many long runs.
 FINE_RUNS = 8  # Number of fine runs that measure how precisely a motion is determined.
-# Relative change of the masses between the fine runs. It is a few units in the last place, like the difference between
-# two processors.
+# Relative change of the masses between the fine runs. The change is a few units in the last place, like the difference
+# between two processors.
 SHAKEN = 1e-14
 # Largest allowed distance of a run from the mean of the fine runs, in standard deviations of the fine runs.
 SPREADS = 3.0
@@ -105,14 +106,15 @@ def test_error_under_a_steady_push():
 
     The overlaps return almost to zero. Near zero overlap, a change d of the overlap changes a velocity by sqrt(d).
 
-    The exact velocities were computed by `reference_end` in extended precision with a tolerance of 1e-13. They are
-    known to 4e-13 m/s. Finer runs of the tested method differ by 1e-9.
+    The exact velocities were computed by `reference_end` in extended precision with a tolerance of 1e-13. The
+    uncertainty of these velocities is 4e-13 m/s. Finer runs of the tested method differ by 1e-9.
     """
     scene = scenes.load("driven-cluster")
     chain, velocity = scene.lanes[0].chain(), scene.lanes[0].velocity
     exact = [3.2812531034648, 3.3059875881534, 3.3063794628714, 3.3063798455104]
     check_errors(exact, HALF_DECADES, chain, velocity, scene.duration)
-    found = simulate_quietly(chain, velocity, scene.duration, tolerance=1e-10, samples=2)  # This run may warn.
+    # A warning of this run is ignored.
+    found = simulate_quietly(chain, velocity, scene.duration, tolerance=1e-10, samples=2)
     assert np.abs(found.final_velocity - exact).max() < PROMISE * 1e-10
 
 
@@ -249,8 +251,9 @@ def test_a_log_that_is_too_small_grows_as_the_run_goes_on(monkeypatch):
     ("n", "exponent", "tolerance"), [(7, 0.0216426, 1e-6), (9, 0.0243379, 1e-8), (17, 0.0061423, 1e-8)]
 )
 def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, tolerance):
-    """Check the slowest of 1000 random chains in which one bead hits n beads. These motions needed five runs, each with
-    a tolerance ten times finer than the previous one, of up to 55 000 steps.
+    """Check the slowest of 1000 random chains in which one bead hits n beads. The error estimate of such a motion
+    needed five runs with up to 55 000 steps. The tolerance of each run was a tenth of the tolerance of the previous
+    run.
     """
     chain = one_on(n, power_law(1.0, exponent))
     found = solve(chain, struck(chain), samples=2, tolerance=tolerance)
@@ -283,7 +286,7 @@ def test_a_signal_is_heard_within_a_run(monkeypatch):
     signal.setitimer(signal.ITIMER_REAL, 0.3)
     try:
         with pytest.raises(InterruptedError, match="heard"):
-            deque(map(confirm.run, repeat(problem)), maxlen=0)  # This loop is endless. Only the signal stops it.
+            deque(map(confirm.run, repeat(problem)), maxlen=0)  # Only the signal stops this endless loop.
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
@@ -345,7 +348,7 @@ def test_a_motion_of_very_many_bounces_ends_in_bounded_time(monkeypatch):
     found = solve(chain, [0.0, 0.0], 2.0, samples=2, tolerance=1e-6)
     assert found.status == Status.BUDGET_SPENT
     assert found.steps < 5e5
-    # The bead rests on the wall. It moves by at most 1e-13 m.
+    # The bead rests on the wall. The remaining motion of the bead is at most 1e-13 m.
     assert abs(found.final_velocity[0]) <= found.velocity_error[0] < 1e-5
 
 

@@ -154,8 +154,8 @@ def test_beads_that_a_wave_has_passed_do_not_rattle(n, exponent, tolerance):
 @pytest.mark.parametrize("method", KERNELS)
 @pytest.mark.parametrize("part", [0.2, 0.5, 0.9])
 def test_very_slow_closings_gain_no_energy(method, part):
-    """Check two beads with almost no gap between them, next to a long collision. Their closing speed is too low to be
-    resolved and must not increase.
+    """Check two beads with almost no gap between them, next to a long collision. The closing speed of these beads is
+    too low to be resolved and must not increase.
     """
     tolerance = 1e-6
     rate = part * TOLERANCE_PART**2 * tolerance
@@ -270,8 +270,8 @@ COLLIDE_FOR_LONG = [(60, 1e-2, 1e-6, "accurate"), (80, 1e-6, 1e-6, "accurate"), 
 
 @pytest.mark.parametrize(("n", "unequal", "tolerance", "method"), WAVES + COLLIDE_FOR_LONG)
 def test_a_wave_conserves_energy_momentum_and_order(n, unequal, tolerance, method):
-    """Check that contacts behind a wave do not disturb the run. Their motion is smaller than the tolerance. An earlier
-    version followed these contacts up to a time of 1e20 s.
+    """Check that contacts behind a wave do not disturb the run. The motion of these contacts is smaller than the
+    tolerance. An earlier version followed these contacts up to a time of 1e20 s.
 
     In that version, beads of different mass that separated at 1e-8 m/s met again after 1e6 s with a large overlap. The
     energy grew to 250 times its value. A first step longer than such a contact then caused millions of steps.
@@ -379,7 +379,8 @@ def test_a_soft_contact_opens_inside_a_step_when_fine_runs_say():
 
 FAMILIES = ("hooke-hertz", "gears", "clusters", "walls", "extreme", "loss")  # Families of random chains.
 LOOSE = [((family,), range(40), 0.0) for family in FAMILIES]
-# In a sensitive motion, a coarser run can agree with a finer run by chance. This happens in one run of a thousand.
+# In a sensitive motion, a coarser run can agree with a finer run by chance. Such an agreement happens in one run of a
+# thousand.
 LOOSE += [pytest.param(FAMILIES, range(40, 400), 1e-3, marks=pytest.mark.slow)]
 
 

@@ -46,8 +46,8 @@ class Rows:
     ("number", "then", "overlap"), [(SOLID_PUSH, PUSH, 0.05), (SOLID_PULL, PULL, -0.15), (PULL, PUSH, -0.1)]
 )
 def test_an_unloading_coupler_enters_the_previous_segment(number, then, overlap):
-    """Check that an unloading coupler enters the previous segment. The position of the coupler must not change. It is
-    measured in metres from the overlap at which the coupler begins to push.
+    """Check that an unloading coupler enters the previous segment. The position of the coupler must not change. The
+    position is measured in metres from the overlap at which the coupler begins to push.
     """
     rows = Rows(Chain([1.0, 1.0], COUPLER))
     put_segment(0, number, rows.regime, rows.motion)
@@ -154,8 +154,8 @@ def test_a_multiplier_well_within_its_range_needs_no_guard(force, found):
 
 
 def test_a_contact_that_begins_to_leave_by_round_off_begins_at_rest():
-    """Check an open contact at d = 0 that closes at 1e-12 m/s because of round-off. Its guard function must begin with
-    slope 0 instead of the slope of this rate.
+    """Check an open contact at d = 0 that closes at 1e-12 m/s because of round-off. The guard function of the contact
+    must begin with slope 0 instead of the slope of this rate.
     """
     step = Step(Chain([1.0, np.inf], hertz(1.0)), [1e-12, 0.0], [0.0], [OPEN], [0.0])
     assert guard_of(0, 0, H, step.context(1e-10))[:3] == (0.0, 0.0, 0.0)

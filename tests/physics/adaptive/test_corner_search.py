@@ -135,7 +135,7 @@ EVENTS = [
     (GEAR, 0.0, 0.0, TOUCHING, [0.2, 0.5], "nothing", H),
     # The force is 0.85 N at the middle stage of the step, and 0.475 N and 0.653 N at the other stages.
     (GEAR, 0.0, 0.0, TOUCHING, [0.2, 2.0 * BEND * MIDDLE / H, -BEND / H**2], "yields", H * (MIDDLE - math.sqrt(0.05 / BEND))),
-    # The contact is at rest at 1 N. Its loss is 0.4, so its smallest force is 0.6 N.
+    # The contact is at rest at 1 N. The loss of the contact is 0.4, so the smallest force is 0.6 N.
     (LOSSY, 0.0, 0.5, TOUCHING, [0.9, -1.0], "eases", 0.3),
     (LOSSY, 0.0, 0.5, TOUCHING, [0.9, 1.0], "yields", 0.1),
 ]  # fmt: skip

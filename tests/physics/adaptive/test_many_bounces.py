@@ -54,7 +54,7 @@ def test_pi_from_31415_collisions_is_followed_to_its_end(method: str, tolerance:
 
 def test_round_off_of_a_heavy_bead_comes_back_to_a_light_one() -> None:
     """Check the estimated error due to round-off. During the motion the light bead is a thousand times as fast as at
-    the start. Its collisions determine the velocity of the heavy bead.
+    the start. The collisions of the light bead determine the velocity of the heavy bead.
     """
     found = pi_from_collisions(1e6, tolerance=1e-12)
     assert hits(found) == 3141

@@ -1,7 +1,7 @@
 """Tests of the first guess for Newton's iteration in the method radau.
 
-The guess extrapolates an overlap as a power of the time since the contact closed, as a free flight, or as the motion
-under a push.
+The guess extrapolates an overlap in one of three ways. The overlap is a power of the time since the contact closed, or
+the beads fly freely, or a force pushes them.
 """
 
 import math
@@ -114,8 +114,8 @@ def test_the_onset_belongs_to_the_contact_that_pushes_most():
     assert time_since_onset(law, mode, overlap, np.array([0.1, 1.0, 0.1]), force) == pytest.approx(0.04)
     assert time_since_onset(law, mode, overlap, np.array([0.1, 0.0, 0.1]), force) == pytest.approx(0.1)
     assert time_since_onset(law, np.full(3, OPEN), overlap, rate, force) == 1e30
-    # In these cases the third contact pushes with more force. It must not be counted, because it is not soft or does not
-    # overlap.
+    # In these cases the third contact has the largest force. The function must ignore the third contact, because it is
+    # not soft or does not overlap.
     for row, d in (([0.0, 2.0, 1.0], 0.5), ([0.8, 2.0, 0.5], 0.0), ([1.8, 2.0, 0.5], -0.5)):
         law[2], overlap[2] = row, d
         assert time_since_onset(law, mode, overlap, rate, force) == pytest.approx(0.2)

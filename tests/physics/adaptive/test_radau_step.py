@@ -40,7 +40,9 @@ LAWS = (hooke(3.0), hertz(5.0), power_law(1.0, 0.1), power_law(2.0, 0.5), draft_
 
 
 def random_motion(seed):
-    """Return a chain during a collision, with a consistent mode for each contact, and a step size."""
+    """Return a random chain during a collision, and a step size. The mode of each contact is consistent with its
+    overlap.
+    """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(1, 6))
     mass = 10.0 ** draw.uniform(-0.5, 0.5, n + 1)
@@ -375,7 +377,7 @@ def test_a_bend_of_a_law_that_is_passed_counts_as_an_error(mode, part, sign):
     """Check that passing a breakpoint of a contact law counts as an error. The quadratures integrate this flight
     exactly.
 
-    The error is a fraction of the impulse beyond the breakpoint. It is counted only for loaded contacts.
+    The error is a fraction of the impulse beyond the breakpoint. Only loaded contacts contribute to this error.
     """
     law, h, rate, trial = OwnLaw(lambda d: d + 40.0 * max(d - 0.1, 0.0)), 0.03, 0.5 * sign, empty_trial(2)
     data, motion = pressed(Chain([3.0, 2.0, 0.5], [hooke(1.0), law]), [2.0 * rate, rate, 0.0], 0.1 - 0.3 * h * rate)
@@ -399,8 +401,8 @@ def test_compliance():
 
 @pytest.mark.parametrize("seed", range(8))
 def test_first_stages_are_implicit_euler_steps_to_each_node(seed, monkeypatch):
-    """Check that the first stages satisfy d = d0 + t w0 - t² (L f - e) and that their forces obey the contact laws. The
-    initial overlaps are small or large, and the slopes cover many orders of magnitude.
+    """Check that the first stages satisfy d = d0 + t w0 - t² (L f - e). The forces of the stages must obey the contact
+    laws. The initial overlaps are small or large, and the slopes cover many orders of magnitude.
     """
     chain, data, motion, h = random_motion(seed)
     move_stage = Mock(wraps=radau.move_stage)

@@ -33,12 +33,12 @@ def test_a_budget_at_most_doubles() -> None:
 @pytest.mark.parametrize(("part", "continues"), [(0.9, True), (1.1, False)])
 def test_a_budget_ends_if_the_last_steps_predict_too_many(part: float, continues: bool, amplified: bool) -> None:
     """Check a run that takes 1000 steps in the last second. From this rate, the number of remaining steps is predicted.
-    It is `part` times the largest number that may be predicted.
+    The predicted number is `part` times the largest allowed prediction.
     """
     largest = usual_budget.MOST_LASTING + (0 if amplified else usual_budget.MOST_FOLLOWED)
     left = part * usual_budget.MOST_PREDICTED * largest / 1000.0
     budget = GrowingBudget(problem_of(BOUNCES, 1e4 + 1.0 + left, [0.0, 1.0, 0.0]), 0.0)
-    # The first extension is always granted, because a motion can be fast only at its beginning.
+    # The first extension of the budget is always granted, because a motion can be fast only at its beginning.
     assert budget.extend(50_000, 1e4, 0, amplified)
     assert budget.extend(51_000, 1e4 + 1.0, 0, amplified) == continues
 
@@ -57,8 +57,8 @@ def test_only_amplified_errors_limit_the_cost() -> None:
 
 
 def row_with_gaps(n: int) -> tuple[Chain, np.ndarray]:
-    """Return a chattering chain and the velocities of its beads. Its contacts are constant forces, draft gears and
-    draft gears with loss, separated by gaps. Three beads hit the chain.
+    """Return a chattering chain and the velocities of its beads. The contacts of the chain are constant forces, draft
+    gears and draft gears with loss. Some contacts have gaps. Three beads hit the chain.
     """
     draw = np.random.default_rng([99, 3])
     mass = 10 ** draw.uniform(-0.5, 0.5, n + 1)

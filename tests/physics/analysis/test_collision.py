@@ -1,5 +1,5 @@
-"""Tests of the quantities that describe a collision. They are compared with quadruple-precision solutions, closed
-forms, and each other.
+"""Tests of the quantities that describe a collision. These quantities are compared with quadruple-precision solutions,
+closed forms, and each other.
 """
 
 import math
@@ -226,7 +226,7 @@ def test_inner_contacts_of_small_exponents_ring_about_their_branch():
     found = ringing(struck.time, struck.force[:, 1])
     assert found.period == pytest.approx(2.0 * math.pi * measures.response_times(struck)[1], rel=0.03)
     assert 0.0 < found.amplitude < 1e-4
-    assert abs(found.decay) * found.period < 1.0  # The ringing lasts for many periods.
+    assert abs(found.decay) * found.period < 1.0  # The oscillation lasts for many periods.
     told, alone = (found.period, found.amplitude, found.decay), measured(struck).contacts[1]
     assert (alone.ringing_period, alone.ringing_amplitude, alone.ringing_decay) == pytest.approx(told)
 

@@ -134,7 +134,9 @@ def test_progress_counts_every_chain_once():
 
 
 def test_warnings_stay_on_their_trajectory(recwarn):
-    """Check that only the first chain causes a warning. Its step is longer than the limit of the draft gear."""
+    """Check that only the first chain causes a warning. The step of this chain is longer than the limit of the draft
+    gear.
+    """
     found = ensemble([CHAINS[-1], CHAINS[0]], [STARTS[-1], STARTS[0]], method="verlet", step=[1e-3, 1e-4])
     assert "past its limit" in str(found[0].warnings[0])
     assert not found[1].warnings

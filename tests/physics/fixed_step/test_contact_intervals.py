@@ -81,8 +81,8 @@ def test_a_run_ends_soon_after_a_contact_that_no_step_shows(chain):
 
 
 def test_endless_flights_are_ended():
-    """Check beads that separate at speeds of the size of round-off after many bounces. They would separate for 1e18
-    steps and then meet again.
+    """Check beads that separate at speeds of the size of round-off after many bounces. Without a limit, the beads would
+    separate for 1e18 steps and then meet again.
     """
     masses = [30.302047757650957, 0.06879557626047945, 33.32308902031443, 5.314720953392335]
     chain = Chain(masses, step_force(3.477215654725435))

@@ -31,7 +31,7 @@ from tests.helpers.relations import assert_momentum, assert_sound, energy_error,
 from tests.helpers.truth import GEAR
 
 
-# Steps [s]. They do not depend on the time scales of the scenes.
+# Steps [s]. The steps are chosen independently of the time scales of the scenes.
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 1e-2, 0.1, 1.0])
 @pytest.mark.parametrize("name", scenes.names())
 def test_energy_and_momentum_in_every_scene(name, step):
@@ -160,7 +160,7 @@ def of_either_sign(numbers):
     return st.one_of(st.just(0.0), numbers, numbers.map(lambda x: -x))
 
 
-# Initial overlaps. They include the small overlaps that round-off leaves after a step.
+# Initial overlaps, including the small overlaps that round-off leaves after a step.
 START = of_either_sign(st.one_of(sizes(-12, 1), sizes(-300, -12)))
 WEIGHT, SUM = sizes(-10, 3), of_either_sign(sizes(-12, 2))
 NO_ENERGY = 1e-260  # The resolvent treats energies below this value as 0.

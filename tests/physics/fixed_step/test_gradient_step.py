@@ -246,8 +246,8 @@ def test_a_step_in_parts_keeps_the_ledger(seed):
 def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, wanted):
     """Check two events that end a step.
 
-    A bead moves at 1 m/s over a distance of 0.75 m with steps of 0.1 s. Its contact closes in the eighth step. If a
-    brake decelerates the bead by 0.2 g, it stops in the sixth step.
+    A bead moves at 1 m/s over a distance of 0.75 m with steps of 0.1 s. The contact of the bead closes in the eighth
+    step. If a brake decelerates the bead by 0.2 g, it stops in the sixth step.
     """
     chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
     state = State.at_start(chain, [1.0, 0.0])

@@ -26,7 +26,7 @@ STARTS = (0.0, 0.03, 0.2, -0.04, -SLACK, -0.3)
 
 def test_a_very_soft_contact_takes_any_push_without_a_guess():
     """Check the first guess of the overlap of a very soft contact. The overlap at which the contact alone balances the
-    push is 1e350 m. This number overflows in plain Python.
+    push is 1e350 m, a number that overflows in plain Python.
     """
     overlap, force, _ = resolvent(NO_GRAPHS, 0, 0.0, 1e-3, 0.02, 0.0, 0.0, 1e-4, 1.0, 0.0)
     assert overlap + 1e-4 * force == pytest.approx(1.0, rel=1e-15)

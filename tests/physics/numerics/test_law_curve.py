@@ -85,7 +85,7 @@ def newton(law, weight, s, overlap):
 
 
 SOFT, GEAR = (0.0, 2.0, 0.5), (1.0, 2.0, 0.5)
-VERTICAL = 1e-295  # Overlap [m]. It is so small that the curve is vertical at this overlap.
+VERTICAL = 1e-295  # Overlap [m] at which the curve of a soft contact is practically vertical.
 SMALL = 2.0 * math.sqrt(1e-5)  # Force [N] of the law SOFT at the overlap 1e-5 m.
 # Each entry contains a law, a weight, an overlap, and the changes of overlap and force that Newton's method requests.
 # The last number is the overlap after the move.
@@ -98,7 +98,7 @@ MOVED = [
     ((0.0, 2.0, 1.5), 1.0, 1.0, -0.75, -5.0, 0.25),
     # Moves away from overlap 0 that are determined by the requested overlap, or by a small force.
     (SOFT, 1e-3, 1.0, 1.25, 1.25, 2.25), ((0.0, 2.0, 0.1), 1.0, 1e-20, 1e-19, 0.02, 0.02**10),
-    # Contacts whose overlap is small compared with weight times force. This product is the distance by which the force
+    # Contacts whose overlap is small compared with weight times force. The product is the distance by which the force
     # moves the beads.
     (SOFT, 100.0, 1e-4, 2e-4, 0.02, 4e-4),
     (SOFT, 0.01, 1e-5, 2e-5 * (0.04 / SMALL - 1.0), 0.04 - SMALL, 2e-5 * 0.04 / SMALL - 1e-5),

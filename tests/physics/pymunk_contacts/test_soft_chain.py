@@ -24,8 +24,8 @@ LAW = hertz(100.0)
 @pytest.mark.parametrize("gap", [0.0, 0.3])
 @pytest.mark.parametrize("law", [*LAWS, power_law(1.0, 1 / 14), hertz(1e6), hooke(1e9)], ids=str)
 def test_a_collision_at_frame_rate_conserves_energy_and_momentum(law, gap):
-    """Check energy and momentum during a collision after a flight. The energy in the contacts is computed from the
-    positions x = X + (step/2) V, where X and V are the positions and velocities of the bodies.
+    """Check energy and momentum during a collision after a flight. Let X and V be the positions and velocities of the
+    bodies. The energy in the contacts is computed from the positions x = X + (step/2) V.
     """
     space, bodies, chain = chain_row(law, gap)
     largest = 0.0
@@ -141,8 +141,8 @@ def assert_energy_stays(space, bodies, chain, energy=0.5, frames=300):
 @pytest.mark.parametrize("sleeps", [False, True])
 @pytest.mark.parametrize("law", [power_law(1.0, 0.1), hertz(1e6), draft_gear(1e4, 0.02)], ids=str)
 def test_a_velocity_set_between_steps_adds_only_its_energy(law, sleeps):
-    """Check that setting a velocity moves no body. It must not compress any contact, however stiff the contact is. It
-    must wake a sleeping chain.
+    """Check that setting a velocity moves no body. The new velocity must not compress any contact, however stiff the
+    contact is. A sleeping chain must wake.
     """
     space, bodies, chain = chain_row(law, speed=0.0)
     space.sleep_time_threshold = 0.2 if sleeps else math.inf
@@ -364,7 +364,8 @@ def frames(space, chain, count):
 @pytest.mark.parametrize("before", [0, 12, 40])
 def test_ten_frames_rolled_back_to_the_bit(law, before):
     """Check that ten frames can be repeated with bitwise equal results. The start is restored from the state of the
-    chain, from a copy of the Space, or from a pickle. It is before the first step, during a collision, or after it.
+    chain, from a copy of the Space, or from a pickle. This start is before the first step, during a collision, or
+    after a collision.
     """
     space, _, chain = chain_row(law, gap=0.1)
     run(space, FRAME, before)

@@ -73,8 +73,8 @@ def test_changed_speeds_and_steps_are_checked_again():
 
 
 def test_slow_contacts_beside_a_fast_blow_are_judged_by_it():
-    """Check the inner contacts of a chain, which close slowly next to a fast collision. Their errors are compared with
-    the speed of this collision.
+    """Check the inner contacts of a chain, which close slowly next to a fast collision. The errors of the slow contacts
+    are compared with the speed of this collision.
     """
     space, _, contacts = cradle(power_law(50.0, 0.1))
     substeps = contacts[0].substeps(FRAME, 1.0)

@@ -13,7 +13,7 @@ from softcradle.physics.status import Status, WarningCode
 from benchmarks.scan.families import motion
 from tests.helpers.relations import KERNELS, NAMES, PROMISE, assert_momentum, ledger_error, simulate_quietly
 
-FEW = {  # For each family of chains, random seeds for which the reference method is fast.
+FEW = {  # Random seeds of each family of chains. For these seeds, the reference method is fast.
     "couplers": range(1, 10), "bounded": (1, 3, 5, 9, 12, 13), "timed": (2, 5, 8), "driven": (5, 7, 8, 9),
     "friction": (0, 3, 6, 7, 9), "loss": (1, 2, 3, 4, 7), "walls": (0, 2, 8), "own-laws": (1, 2, 3),
 }  # fmt: skip
@@ -138,7 +138,7 @@ def test_a_touching_contact_closes_with_its_neighbour():
 
 def test_slow_yielding_is_not_restarted_by_other_contacts():
     """Check two inner contacts that yield slowly at forces of 1e-15 N. In an earlier version, each mode change of one
-    contact restarted the motion of the other contact. This happened 9500 times.
+    contact restarted the motion of the other contact, 9500 times in total.
     """
     chain = Chain([0.6256050420307148, 1.9966455213844647, 1.7485191867510559, 0.5551660365009872, 1.0], hooke(100.0))
     assert simulate(chain, [1.40621878, 0, 0, 0, 0], 0.12, "scipy", samples=2).steps < 100
