@@ -44,8 +44,8 @@ def motions() -> Iterator[tuple[str, Chain, Array, str]]:
     """Yield name, chain, start velocities and method of live motions. Every scene is combined with every method that
     accepts its chain.
 
-    The method dop853 is used only for chains without soft contacts. With soft contacts it resolves every oscillation,
-    which takes seconds.
+    The method dop853 is used only for chains without soft contacts. With soft contacts, dop853 resolves every
+    oscillation, which takes seconds.
     """
     for name in scenes.names():
         lane = scenes.load(name).lanes[0]

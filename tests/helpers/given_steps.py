@@ -41,7 +41,8 @@ class Step:
             free = self.motion.overlap + self.motion.rate * time + 0.5 * external * time**2
             self.trial.overlap[k] = free - matrix @ twice
         self.trial.anchor[:] = state.anchor
-        # In these tests the anchor is a wall or a bead without contact force. Only the external force accelerates it.
+        # In these tests the anchor is a wall or a bead without contact force. Only the external force accelerates the
+        # anchor.
         if self.data.external.size:
             self.trial.anchor[1] += H * self.data.external[-1]
 

@@ -64,7 +64,9 @@ def momentum(chain: Chain, velocity: ArrayLike) -> float:
 
 
 def momentum_scale(chain: Chain, velocity: ArrayLike) -> float:
-    """Return the sum of the absolute momenta of the beads [N s]. The round-off of the momentum is proportional to it."""
+    """Return the sum of the absolute momenta of the beads [N s]. The round-off of the momentum is proportional to this
+    sum.
+    """
     return float(chain.finite_mass @ np.abs(np.asarray(velocity))) or 1.0
 
 

@@ -22,7 +22,7 @@ from softcradle import scenes
 
 def opened(name: str = "one-on-four", *done: inputs.Input | int, frames: int = 0, **options: Any) -> Session:
     """Return a session with the scene `name`. The session first processes the inputs in `done` in the given order. A
-    number in `done` stands for that many frames. The clock of the session does not advance.
+    number n in `done` means that the session runs n frames. The clock of the session does not advance.
     """
     session = Session(scenes.load(name), **{"clock": lambda: 0.0, **options})
     for one in (*done, frames):

@@ -61,7 +61,7 @@ class Quadratic:
 def chain_row(law, gap=0.0, beads=5, speed=1.0, direction=(1.0, 0.0), masses=None):
     """Return a Space, a row of bodies in it, and the SoftChain of the bodies. The first body moves.
 
-    Neighbours are 1 m plus `gap` apart. If `gap` is a single number, it applies only to the first contact.
+    Neighbours are 1 m plus `gap` apart. A single number of `gap` applies only to the first contact.
     """
     space, along = pymunk.Space(), pymunk.Vec2d(*direction)
     gaps = [gap] + [0.0] * (beads - 2) if np.ndim(gap) == 0 else gap

@@ -222,8 +222,8 @@ class Driver:
 
 
 def pressed(code: int, modifiers: int = 0, text: str = "", times: int = 1) -> list[pygame.Event]:
-    """Return the events of a key press. `times` is the number of key-down events. If it is more than one, the key is
-    held.
+    """Return the events of a key press. `times` is the number of key-down events. If `times` is more than one, the key
+    is held.
     """
     values = {"key": code, "mod": modifiers, "unicode": text, "scancode": 0}
     typed = [pygame.Event(pygame.TEXTINPUT, text=text)] if text else []

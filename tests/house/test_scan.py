@@ -1,5 +1,5 @@
-"""Tests of the scans of random chains. The tests check which chains a scan draws, how it classifies runs, and how it
-resumes. The reference solver is tested as well.
+"""Tests of the scans of random chains. The tests check which chains a scan draws, how the scan classifies runs, and how
+an interrupted scan resumes. The reference solver is tested as well.
 """
 
 import json

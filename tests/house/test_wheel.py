@@ -137,7 +137,7 @@ def test_everything_is_in_it_and_nothing_else(wheel):
         if path.is_file()
         and "__pycache__" not in path.parts
         and path.suffix != ".po"  # The wheel contains the compiled catalogues instead.
-        # The folder `peers` contains other integrators. Only the chart in the repository uses them.
+        # The folder `peers` contains other integrators. Only the chart in the repository uses these integrators.
         and "peers" not in path.parts
     }
     assert {name for name in contents(wheel) if ".dist-info/" not in name} == expected

@@ -1,5 +1,5 @@
-"""Leave out the tests that need plain Python if numba compiles the kernels. The tests of `test_elsewhere.py` run them
-in a process without compiled kernels. A test file that is named on the command line is always collected.
+"""Leave out the tests that need plain Python if numba compiles the kernels. The file `test_elsewhere.py` runs these
+tests in a process without compiled kernels. A test file that is named on the command line is always collected.
 """
 
 import os

@@ -1,4 +1,6 @@
-"""Tests of the class Chain. The tests check which arguments it accepts or rejects, and the start values of a State."""
+"""Tests of the class Chain. The tests check which arguments the class accepts or rejects, and the start values of a
+State.
+"""
 
 import math
 import pickle

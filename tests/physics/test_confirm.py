@@ -30,8 +30,8 @@ GROWN = 2000.0  # Error amplification above which a run must be confirmed by a f
 # The deepest contact has a speed of 1e-6 m/s.
 @pytest.mark.parametrize(("n", "softness"), [(2, 16), (3, 14), (3, 24)])
 def test_swings_of_deep_contacts_are_kept(n: int, softness: int) -> None:
-    """Check that oscillations of soft contacts are not damped. In an earlier version, steps as long as an oscillation
-    damped it slightly. The errors were up to 160 times the tolerance.
+    """Check that oscillations of soft contacts are not damped. In an earlier version, a step as long as an oscillation
+    damped the oscillation slightly. The errors were up to 160 times the tolerance.
     """
     chain = one_on(n, power_law(1.0, 1.0 / softness))
     end = float(simulate(chain, struck(chain), samples=2, method="radau", tolerance=1e-6).time[-1])
@@ -130,7 +130,7 @@ def other_runs(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[float]]:
 @pytest.mark.parametrize("tolerance", 10.0 ** -np.arange(3.0, 12.5, 0.25))
 def test_every_run_that_confirms_is_finer(tolerance: float, other_runs) -> None:
     """Check that each confirming run is finer than the previous run. Two equally fine runs agree whatever their error
-    is. In an earlier version that started at 1e-8, the last two runs both used 1e-13.
+    is. In an earlier version, the first run had the tolerance 1e-8, and the last two runs both had 1e-13.
     """
     first = to_its_end(hit(tolerance))
     tolerances = other_runs(first, apart=lambda run: 0.1 * run)

@@ -86,9 +86,9 @@ def test_a_default_step_resolves_the_shortest_contact():
 
 
 CASES = ELASTIC + GEARS
-# The method `dop853` takes explicit steps across the singular openings of contacts with exponents below 1. (`accurate`
-# uses radau for them.) At such an opening the error estimate of dop853 is too small by another factor of 10. The method
-# also resolves every oscillation, so a finer tolerance would exceed the step limit.
+# The method `dop853` takes explicit steps across the singular openings of contacts with exponents below 1. (At these
+# openings, `accurate` uses radau.) At the opening of such a contact, the error estimate of dop853 is too small by
+# another factor of 10. The method also resolves every oscillation, so a finer tolerance would exceed the step limit.
 SOFT_PROMISE, SOFT_TOLERANCE = 100.0, 1e-6
 TOLERANCE = 1e-8
 

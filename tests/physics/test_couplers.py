@@ -194,8 +194,8 @@ def test_frames_of_live_use_couple_as_a_run_does(method):
 
 
 def test_couplers_of_a_long_row_couple_one_after_another():
-    """Check a wagon that is pushed into a row of wagons at rest. Each pair couples when it meets, and at the end all
-    wagons form one train.
+    """Check a wagon that is pushed into a row of wagons at rest. Each pair of wagons couples when the wagons meet. At
+    the end all wagons form one train.
     """
     chain = Chain([3e4] * 6, replace(WAGONS, push=hooke(1e7, 0.5), pull=hooke(1e7, 0.5)), gap=0.05, friction=0.0)
     found = simulate(chain, [1.5, *[0.0] * 5], 12.0, "conserving", samples=601)

@@ -88,8 +88,8 @@ def test_restitution_of_one_on_one(method, law):
 # All other methods use the force 0 at overlap 0, so their contacts chatter.
 @pytest.mark.parametrize("method", [one.name for one in SET_VALUED])
 def test_a_push_below_the_threshold_moves_nothing(method):
-    """Push four beads on a friction bed. If the force is 0.99 of their total friction, they stay bitwise at rest. If it
-    is 1.01 of this friction, all four beads have the same motion.
+    """Push four beads on a friction bed. If the force is 0.99 of the total friction, the beads stay bitwise at rest. If
+    the force is 1.01 of the total friction, all beads have the same motion.
     """
     weight = 0.3 * GRAVITY * 4
     for share in (0.99, 1.01):
@@ -141,7 +141,7 @@ def test_the_end_comes_when_nothing_can_meet_again():
 @pytest.mark.parametrize("seed", range(20))
 def test_motions_with_friction_and_loss_end(method, seed):
     """Check that beads joined by a held contact stop together. Creeping at the level of round-off must count as rest.
-    In an earlier version, such runs continued to 1e45 s.
+    In an earlier version, runs of creeping beads continued to 1e45 s.
     """
     draw = np.random.default_rng(seed)
     beads = int(draw.integers(2, 6))
@@ -174,7 +174,7 @@ def test_bounces_within_steps_lose_to_the_bed(law, step):
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass):
     """Check that the run of a light bead under a constant force ends. The last bounces of the bead are shorter than any
-    step, and then the bead creeps. In an earlier version, such runs did not end, or ended at 1e10 s.
+    step, and then the bead creeps. In an earlier version, runs of creeping beads did not end, or ended at 1e10 s.
     """
     chain = Chain([1.0, mass, 1.0], [power_law(8165.0, 0.045), step_force(0.2435)], friction=0.1)
     found = simulate_quietly(chain, [1.0, 0.0, 0.0], method=method, samples=2, tolerance=1e-6)
@@ -187,7 +187,7 @@ def test_a_light_bead_that_a_steady_force_presses_comes_to_its_end(method, mass)
 @pytest.mark.parametrize("method", ["accurate", "radau"])
 def test_beads_that_stick_beside_one_that_creeps_do_not_move(method, seed):
     """Check sticking beads next to a creeping bead. In an earlier version, the sticking beads moved for 1e8 s because
-    of the limited precision of the stages. The draft gears between them gained energy.
+    of the limited precision of the stages. The draft gears between the sticking beads gained energy.
     """
     draw = np.random.default_rng(seed)
     mass = [1.0, 10.0 ** draw.uniform(-3.0, -0.5), 10.0 ** draw.uniform(-0.3, 0.3)]

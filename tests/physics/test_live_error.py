@@ -109,7 +109,7 @@ def test_a_copy_goes_on_from_the_error_that_it_has() -> None:
     assert copy.velocity_error == error > 0.0
     move(TRAIN, copy, 0.1, "accurate", None, 1e-6, 200_000)
     assert copy.velocity_error >= error
-    copy.velocity_error = 0.0  # From now on the error is estimated again.
+    copy.velocity_error = 0.0  # After this reset, the error estimate starts again from zero.
     move(TRAIN, copy, 1e-3, "accurate", None, 1e-6, 200_000)
     assert copy.velocity_error < 0.1 * error
 

@@ -42,8 +42,8 @@ def method(request):
 
 def test_a_free_bead_has_the_double_integral_of_its_force(method):
     found = simulate(FREE, [0.0, 0.0], 5.0, **settings(method, 1e-2))
-    # While the force rises, the velocity is 3/4 (t-1)**2 and the displacement is 1/4 (t-1)**3. At the end of the rise
-    # they are 3 and 2. Then the acceleration is 1.
+    # While the force rises, the velocity is 3/4 (t-1)**2 and the displacement is 1/4 (t-1)**3. At the end of the rise,
+    # the velocity is 3 and the displacement is 2. Then the acceleration is 1.
     assert found.final_velocity == pytest.approx([5.0, 0.0], abs=1e-11)
     bound = 0.1 if method.name in FIRST_ORDER else 1e-9 if method.adaptive else 3e-5
     assert found.position[-1, 0] == pytest.approx(2.0 + 3.0 * 2.0 + 2.0, abs=bound)
@@ -69,8 +69,8 @@ def test_a_brake_stops_a_bead_and_holds_it(method):
 
 @pytest.mark.parametrize("method", [one for one in METHODS if one.dissipative], ids=lambda one: one.name)
 def test_beads_on_a_bed_that_wait_for_a_force_are_shown_at_rest(method):
-    """Check samples before an external force begins. In an earlier version, they were extrapolated from the motion
-    after the beginning of the force. A bead seemed to move into its wall and out again.
+    """Check samples before an external force begins. In an earlier version, such samples were extrapolated from the
+    motion after the beginning of the force. A bead seemed to move into its wall and out again.
     """
     chain = Chain([math.inf, 1.0], hooke(4.0), friction=0.05, forces=TimedForce(1, [0.5, 0.5], [0.0, -2.0]))
     found = simulate(chain, [0.0, 0.0], 1.0, **settings(method))

@@ -128,8 +128,8 @@ def test_energy_and_momentum_are_conserved_at_any_step(law, step):
 
 
 def test_a_chain_has_the_law_as_it_is_when_it_is_made():
-    """Check that a new chain evaluates the contact law again instead of using a cached table. In a notebook, a variable
-    that the function uses can change.
+    """Check that a new chain evaluates the contact law again instead of using a cached table. In a notebook, the user
+    can change a variable that the function uses.
     """
     stiffness = 1.0
 

@@ -109,8 +109,8 @@ def test_a_contact_of_two_stages_dissipates_its_part_of_the_energy(method):
 
 
 def test_one_segment_is_the_contact_itself():
-    """Check that a graph with a single power law gives bitwise the same motion as the power law. The kernels treat both
-    in the same way.
+    """Check that a graph with a single power law gives bitwise the same motion as the power law. The kernels treat the
+    graph and the power law in the same way.
     """
     contact = Contact(0.1, 3.0, 1.5)
     rows = SegmentTable(contact.segments)

@@ -58,7 +58,7 @@ def closed_form(chain: Chain, time: float) -> tuple[float, float]:
     """Return the velocities of two equal beads with a Hooke contact. The first bead starts at SPEED.
 
     While the contact is closed, the overlap is half a sine with the angular frequency sqrt(2 k/m + omega²). While the
-    contact is open, it is half a sine with the angular frequency omega. The centre of mass swings freely.
+    contact is open, the overlap is half a sine with the angular frequency omega. The centre of mass swings freely.
     """
     (law, *_), mass = chain.power_laws, chain.mass[0]
     omega = math.sqrt(chain.swing)
@@ -211,8 +211,8 @@ def test_live_frames_follow_the_whole_motion(method):
 
 
 def test_a_frame_at_a_turning_point_has_a_step_for_the_blow():
-    """Check the step of a frame that begins at a turning point. All velocities are 0 at this time, so they do not
-    determine how fast the beads will collide.
+    """Check the step of a frame that begins at a turning point. At a turning point all velocities are 0. The velocities
+    therefore do not determine how fast the beads will collide.
     """
     state = State.at_start(BALLS, [-SPEED] + [0.0] * 4)
     advance(BALLS, state, 0.25 * PERIOD, "accurate")

@@ -60,7 +60,7 @@ def test_the_wasm_file_is_small_and_portable():
 
 @pytest.fixture(scope="module")
 def kernels():
-    """Run the WebAssembly file in Node. If Node is not available, run it in a browser."""
+    """Run the WebAssembly file in Node. If Node is not available, run the file in a browser."""
     runner = next(filter(installed, RUNNERS), None)
     if runner is None:
         pytest.skip("neither Node nor a browser is installed")

@@ -244,7 +244,7 @@ def test_a_mistake_is_named(mistake, sentence):
 @pytest.mark.parametrize("seed", range(20))
 def test_accepted_chains_give_finite_results(method, seed):
     """Simulate chains with random numbers over 20 orders of magnitude. The result must be finite, or the run must
-    report that it stopped early.
+    report an early stop.
     """
     draw = np.random.default_rng(seed)
     f0, mass, speed = 10.0 ** draw.uniform(-10.0, 10.0, 3)

@@ -32,8 +32,8 @@ TRUE_OUTCOMES = {
 
 
 def final_velocities(name: str) -> list[np.ndarray]:
-    """Return the final velocities of every lane. In the scene `mixed` they are determined only to 1e-4, so its runs
-    warn.
+    """Return the final velocities of every lane. In the scene `mixed`, the final velocities are determined only to
+    1e-4, so the runs warn.
     """
     found = [simulate_quietly(lane.chain(), lane.velocity) for lane in scenes.load(name).lanes]
     assert name == "mixed" or not any(run.warnings for run in found)

@@ -70,8 +70,8 @@ def test_error_stays_below_ten_tolerances(method, truth):
 def test_error_in_deep_clusters(n, softness):
     """Check the error of collisions with clusters of soft contacts.
 
-    If one bead hits five beads, the last six bounces have 1e-6 of the initial speed. An error of 1e-10 can change such
-    a bounce.
+    If one bead hits five beads, the last six bounces have 1e-6 of the initial speed. At such a low speed, an error of
+    1e-10 can change a bounce.
     """
     chain = one_on(n, power_law(1.0, 1.0 / softness))
     exact = run(chain, struck(chain), method="radau", tolerance=1e-12).final_velocity
@@ -147,8 +147,8 @@ def spring_from_rest(seed):
 
 
 def stiff_beside_pressed(_):
-    """Return a chain with an almost linear contact law. Newton's iteration converged slowly on it and was stopped too
-    early.
+    """Return a chain with an almost linear contact law. In an earlier version, Newton's iteration converged slowly on
+    this chain and was stopped too early.
     """
     laws = [Contact(1.9, 23.6, 0.956, loss) for loss in (0.2, 0.7, 0.9)]
     return Chain([8.4, 0.113, 2.86, 1.12], laws), [1.0, 1.0, 0.0, 0.0], 0.154
@@ -265,8 +265,8 @@ def test_runs_that_confirm_a_motion_take_a_bounded_number_of_steps(n, exponent, 
 
 
 def test_chattering_from_rest_is_not_followed_bounce_by_bounce():
-    """Check a chain whose contacts first close at 1e-10 of the speed that the external force gives them later. If each
-    bounce were computed, there would be more than 1e9 bounces in almost no time.
+    """Check a chain whose contacts first close very slowly. Later the external force makes the contacts faster by a
+    factor of 1e10. If each bounce were computed, there would be more than 1e9 bounces in almost no time.
     """
     push = [-0.28, -0.11, -1.0, 0.43, -0.19, -1.08]
     chain = Chain([0.14, 0.11, 0.21, 0.11, 0.8, 0.64], power_law(5.1, 0.06), gap=[0.04, 0, 0, 0, 0], drive=push)
@@ -311,8 +311,8 @@ def test_samples_of_an_end_in_steps_that_double_are_those_asked_for(monkeypatch)
 def test_no_error_of_a_return_at_rest_is_silent(seed):
     """Check a bead at a wall on a preloaded spring, driven by a force just above the preload.
 
-    After each period the bead is at rest at d = 0, and the contact force jumps. A velocity error e before this point
-    becomes a velocity error sqrt(e) after it.
+    After each period the bead is at rest at overlap 0, and the contact force jumps. A velocity error e before the jump
+    becomes a velocity error sqrt(e) after the jump.
     """
     draw = np.random.default_rng(seed)
     preload, stiffness, mass = 10.0 ** draw.uniform(-1, 1, 3)
@@ -393,7 +393,7 @@ STOPPED = Coupler(draft_gear(233.0, 0.00428), hertz(37.0), slack=0.01, travel=0.
 SOLID = Coupler(hertz(54.7), hooke(393.0), travel=0.05, stop=1e4)
 PULLED = Coupler(draft_gear(103.0, 0.00972), draft_gear(35.8, 0.0279))
 GROWING = [  # Each entry contains a chain, start velocities [m/s], durations [s] and tolerances.
-    # Phase errors add up. An earlier version estimated them as independent errors of single steps.
+    # Phase errors add up. An earlier version estimated phase errors as independent errors of single steps.
     *((ringing(seed), [1.0, 0.9, 0.0], [20.0], (1e-4, 1e-5, 1e-6)) for seed in range(4)),
     # The run ends during a bounce. If velocity errors delay the bounce, the velocity at the end of the run is
     # different.

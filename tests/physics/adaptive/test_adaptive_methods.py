@@ -109,8 +109,8 @@ PASSED_OVER = {
     # A light bead next to a heavy bead oscillates fast. Whether a step predicts the opening depends on the length of
     # the step.
     "an opening": (Chain([3.4e-3, 9.8e3, 0.69], [hooke(12.7), hooke(19.4)]), [1, 1, 0], None, [1, 1]),
-    # In an earlier version, attempts that began far beyond an opening jumped back and forth around it. The last attempt
-    # missed it.
+    # In an earlier version, attempts that began far beyond an opening jumped back and forth around the opening. The
+    # last attempt missed the opening.
     "a corner": (WALLS.chain, WALLS.velocity, WALLS.duration, [2, 2, 1, 1, 1]),
 }  # fmt: skip
 
@@ -274,7 +274,8 @@ def test_a_wave_conserves_energy_momentum_and_order(n, unequal, tolerance, metho
     tolerance. An earlier version followed these contacts up to a time of 1e20 s.
 
     In that version, beads of different mass that separated at 1e-8 m/s met again after 1e6 s with a large overlap. The
-    energy grew to 250 times its value. A first step longer than such a contact then caused millions of steps.
+    energy grew to 250 times its value. When a first step was longer than the contact time, the run took millions of
+    steps.
     """
     chain = one_on(n, [hertz(1.0 + unequal * (-1.0) ** i) for i in range(n)])
     found = run(chain, struck(chain), method=method, tolerance=tolerance, samples=2)

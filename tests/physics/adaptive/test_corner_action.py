@@ -118,7 +118,8 @@ PASSED = [
     (LOADED, -1e-12, -1e-3, 0.3, OPEN, -1e-12),  # The contact opens.
     # In both cases the opening speed is too low to count. The second contact is held.
     (LOADED, -1e-12, -1e-11, 0.3, LOADED, 0.0), (TOUCHING, 0.0, 0.0, 0.3, TOUCHING, 0.0),
-    # Without forces of its neighbours, the contact opens in the first case. In the second case it is too slow to count.
+    # Without forces of its neighbours, the contact opens in the first case. In the second case the opening is too slow
+    # to count.
     (LOADED, -1e-12, -1e-9, 0.0, OPEN, -1e-12), (LOADED, -1e-12, -1e-14, 0.0, LOADED, 0.0),
     # In the first case the event was not found. In the second case the event comes later.
     (OPEN, 1e-12, 1e-3, 0.3, LOADED, 1e-12), (OPEN, -1e-12, 1e-3, 0.3, OPEN, -1e-12),

@@ -89,7 +89,7 @@ def test_a_multiplier_near_its_bound_is_examined(law, overlap, first, peak, near
 
 def test_a_nearly_touching_contact_is_examined():
     """Check an open contact with a small gap. The quintic and cubic polynomials of the gap differ by more than the gap
-    itself. The values at both ends of the step do not show this.
+    itself. The values of the gap at both ends of the step do not show this difference.
     """
     assert at_wall(GEAR, -1.0, 0.6, LOADED, 0.8).corner()[4] == 1.0
     step = thrown(2.0, 0.5 * 4.0 / 9.8 + 1e-6)

@@ -111,7 +111,7 @@ def test_a_budget_that_ends_is_reported_as_a_budget(monkeypatch) -> None:
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10, 3e-12])
 def test_a_bead_between_two_walls_leaves_one_when_it_meets_the_other(tolerance):
     """Check a bead that touches one wall at the moment at which it leaves the other wall. The two events coincide, and
-    round-off decides which of them ends the step.
+    round-off decides which event ends the step.
     """
     stiffness, ends = 12.874637388274245, [math.inf, 1.0, math.inf]
     chain = Chain(ends, [hooke(stiffness), power_law(0.9229452383487167, 1.5)])

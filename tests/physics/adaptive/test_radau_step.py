@@ -277,7 +277,7 @@ def test_newton_iterates_only_relevant_contacts(precision, monkeypatch):
 @pytest.mark.parametrize("h", [0.01, 30.0])
 def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
     """Check a bead between two walls with both contacts at overlap 0. A force that acts through both contacts does not
-    move the bead, so the equations do not determine it.
+    move the bead. The equations therefore do not determine this force.
     """
     data, motion = pressed(Chain([math.inf, mass, math.inf], draft_gear(2.0, 0.4)), [0.0] * 3, 0.0)
     motion.mode[:], motion.force[:] = TOUCHING, 0.5

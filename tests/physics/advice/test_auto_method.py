@@ -28,8 +28,8 @@ CRITICAL = critical_speed(GEAR, np.ones(5), 1)  # Critical speed [m/s] of one be
 def test_the_wanted_error_holds_on_every_case_of_the_chart(name, errors):
     """Check the error of each collision in the chart.
 
-    If one bead hits five beads, the last contacts bounce six times. A run that is not confirmed misses a bounce at
-    about one tolerance in a hundred.
+    If one bead hits five beads, there are six more bounces at the end of the motion. A run that is not confirmed misses
+    a bounce at about one tolerance in a hundred.
     """
     case = CASES[name].solve(by_reference=errors is TIGHT)
     for error in errors:

@@ -26,8 +26,8 @@ def test_one_on_one_is_energy_and_quadrature(law, speed):
     assert (law.energy(depth), law.force(depth)) == pytest.approx((energy, force), rel=1e-13)
 
     def inverse_rate(u: float, part: float) -> float:
-        """Return dt/du for the overlap d = depth (1 - u**2). This function is smooth at the turning point u = 0. `part`
-        is a fraction of the force.
+        """Return dt/du for the overlap d = depth (1 - u**2). This function is smooth at the turning point u = 0. The
+        argument `part` is the fraction of the contact force that acts.
         """
         d = depth * (1.0 - u * u)
         # Compute (E(depth) - E(d)) / u**2 without cancellation near u = 0.

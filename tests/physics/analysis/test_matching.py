@@ -80,7 +80,7 @@ def test_softer_contacts_match_gears_better():
 
 @pytest.mark.parametrize("alpha", [0.1, 1 / 14])
 def test_the_outcome_is_matched_above_the_critical_speed(alpha):
-    """Check that the search includes speeds above the critical speed v_c. Below it, all draft gears have the same
+    """Check that the search includes speeds above the critical speed v_c. Below v_c, all draft gears have the same
     outcome.
 
     For one bead that hits four beads with alpha = 1/10, a gear at 1.26 v_c agrees within 0.6 %. A gear below v_c agrees

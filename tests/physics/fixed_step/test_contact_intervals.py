@@ -72,7 +72,7 @@ CHAINS = {
 
 @pytest.mark.parametrize("chain", CHAINS.values(), ids=CHAINS)
 def test_a_run_ends_soon_after_a_contact_that_no_step_shows(chain):
-    ahead = [1.0] * (chain.contacts - 1)  # The hit bead does not reach the other beads.
+    ahead = [1.0] * (chain.contacts - 1)  # The bead that is hit does not reach the beads behind it.
     found = simulate_quietly(chain, [1.0, 0.0, *ahead], method="verlet", step=0.1, samples=2)
     assert found.final_velocity[0] < 0.5  # The first bead has hit the second bead.
     assert found.contact_intervals[0] == ()
@@ -94,8 +94,8 @@ def test_endless_flights_are_ended():
 
 @pytest.mark.parametrize("law", [draft_gear(100.0, 0.05), hertz(100.0), hooke(1.0), power_law(10.0, 0.1)], ids=str)
 def test_energy_is_conserved_over_a_hundred_thousand_steps(law):
-    """Check the correction of round-off in the energy. Without it, the energy of the draft gears had an error of 3e-10.
-    After ten times as many steps, the error was 3e-8.
+    """Check the correction of round-off in the energy. Without the correction, the energy of the draft gears had an
+    error of 3e-10. After ten times as many steps, the error was 3e-8.
     """
     chain = Chain([math.inf, 1.0, 2.0, 1.0, math.inf], law, gap=[0.02, 0.02, 0.02, 0.01])
     found = simulate_quietly(chain, [0.0, 1.0, 0.0, -0.3, 0.0], 3000.0, "conserving", step=0.03, samples=2)

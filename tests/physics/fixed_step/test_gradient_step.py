@@ -171,7 +171,7 @@ def test_a_step_is_divided_when_a_contact_reverses():
     assert used > 0
     assert part == pytest.approx(0.5 / 0.6)
     taken(chain, state, 0.6)
-    # The contact loads for 0.5 s. Then it unloads with a quarter of the force.
+    # The contact loads for 0.5 s. Then the contact unloads with a quarter of the force.
     assert state.velocity(chain)[0] == pytest.approx(-0.5 * 0.1, rel=1e-12)
     assert state.overlap[0] == pytest.approx(1.25 - 0.25 * 0.01, rel=1e-12)
     assert state.absorbed[0] == pytest.approx(0.75 * 2.0 * 0.0025, rel=1e-10)
@@ -215,7 +215,7 @@ def test_a_chain_at_rest_under_a_push_is_found_so_at_once(friction, loss):
 
 def test_a_step_that_is_cut_goes_on_from_the_forces_before_it():
     """Check a step that is divided at an event. The step consists of one attempt, the part until the last bead stops,
-    and the rest. The solver starts each of them from the best known forces.
+    and the rest. The solver starts each part from the best known forces.
     """
     chain = Chain([3.0, 0.2, 1.0, 1.0], power_law(50.0, 0.1), gap=[0.0, 0.0, 1.0], friction=0.1)
     one, other = (State.at_start(chain, [1.0, 1.0, 1.0, 0.05]) for _ in range(2))
@@ -247,7 +247,7 @@ def test_steps_end_where_a_contact_switches_or_all_beads_rest(friction, most, wa
     """Check two events that end a step.
 
     A bead moves at 1 m/s over a distance of 0.75 m with steps of 0.1 s. The contact of the bead closes in the eighth
-    step. If a brake decelerates the bead by 0.2 g, it stops in the sixth step.
+    step. If a brake decelerates the bead by 0.2 g, the bead stops in the sixth step.
     """
     chain = Chain([1.0, math.inf], hertz(5.0), gap=0.75, friction=friction)
     state = State.at_start(chain, [1.0, 0.0])

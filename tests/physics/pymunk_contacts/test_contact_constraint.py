@@ -129,8 +129,8 @@ def test_bad_contacts_and_distances_leave_the_old_ones():
 
 @pytest.mark.parametrize("collide", [False, True])
 def test_it_replaces_the_collision_of_shapes(collide):
-    """Check that only the contact pushes overlapping discs apart. The shapes must collide as well only if the user
-    requests it.
+    """Check that only the contact pushes overlapping discs apart. The shapes must collide only if the user requests
+    collisions.
     """
     space, bodies, contact = pair(0.75, hooke(1e-6))
     assert not contact.collide_bodies
@@ -172,7 +172,7 @@ def test_another_memory_layout_is_noticed(monkeypatch):
     """Check a version of pymunk with a different memory layout, which the test imitates. The compiled callback must not
     be used, and the contact must still work.
     """
-    # Call the function without its cache.
+    # Call the function that creates the callback without its cache.
     monkeypatch.setattr(compiled_force, "_callback", compiled_force._callback.__wrapped__)
     monkeypatch.setattr(compiled_force, "LAW_SLOT", 17)
     with pytest.raises(RuntimeError, match=r"no compiled callback .* another way; native=None"):

@@ -179,8 +179,8 @@ def test_bodies_at_one_place_do_not_push_until_they_are_moved(law):
 
 
 def test_overlaps_follow_bodies_whose_positions_are_set():
-    """Check a body that is moved a little before every step. The chain accumulates the overlaps, and they must agree
-    with the positions.
+    """Check a body that is moved a little before every step. The chain accumulates the overlaps, and the overlaps must
+    agree with the positions of the bodies.
     """
     space, bodies, chain = chain_row(hooke(30.0), gap=0.1)
     for _ in range(200):

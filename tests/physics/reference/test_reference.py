@@ -124,8 +124,9 @@ def test_contacts_pressed_at_the_start_are_closed():
 
 
 def test_a_touching_contact_closes_with_its_neighbour():
-    """Check a contact at overlap 0 next to a contact that closes and opens. The force between its beads is 0 at both of
-    these times. An earlier version checked the force only at these times and did not detect the closing.
+    """Check a contact at overlap 0 next to a contact that closes and opens. When the neighbouring contact closes and
+    when it opens, the force of the tested contact is 0. An earlier version checked the force only at these times and
+    did not detect the closing.
     """
     found = ended(one_on(2, [hooke(1.0), step_force(20.0)]), [1.0, 0.0, 0.0])
     (pushed,), (touching,) = found.contact_intervals
