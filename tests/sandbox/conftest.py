@@ -1,4 +1,4 @@
-"""Fixtures for tests of the command."""
+"""Fixtures that run the command `softcradle` in tests."""
 
 import re
 
@@ -9,7 +9,10 @@ from softcradle.sandbox.console import set_quiet
 
 @pytest.fixture
 def softcradle(capsys):
-    """Return a function that runs the command, checks its exit code `code`, and returns its standard output and error."""
+    """Return a function that runs the command `softcradle` with the given words.
+
+    The function checks that the exit code is `code`. It returns the standard output and the standard error.
+    """
 
     def run(*words, code=0):
         assert main(list(words)) == code
@@ -21,13 +24,16 @@ def softcradle(capsys):
 
 @pytest.fixture
 def one_core(monkeypatch):
-    """Compute points of a sweep in this process. Child processes would need longer for imports than for a few points."""
+    """Compute the points of a parameter sweep in the process of the test.
+
+    Child processes would spend more time on imports than on a few points.
+    """
     monkeypatch.setattr("softcradle.sandbox.sweeps.executors.cores", lambda: 1)
 
 
 @pytest.fixture
 def refused(softcradle):
-    """Return a function that runs the command with wrong arguments and returns its error sentence."""
+    """Return a function that runs the command with wrong arguments and returns the error message."""
 
     def run(*words):
         out, err = softcradle(*words, code=2)

@@ -1,4 +1,6 @@
-"""Tests of mistakes of users: one sentence, exit code 2, no file left, no traceback."""
+"""Tests of mistakes of users. The command must print one sentence and return exit code 2. It must leave no file and
+print no traceback.
+"""
 
 import re
 from pathlib import Path
@@ -199,7 +201,8 @@ def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, ref
     (folder / "b.toml").write_text(GOOD, encoding="utf-8")
     assert softcradle("check", "class").out.splitlines()[2] == "2 files: all ok"
     assert "cannot find the file *.toml" in refused("check", "*.toml")
-    (tmp_path / "[1].toml").write_text(GOOD, encoding="utf-8")  # The name of this file is also a pattern.
+    # The file name "[1].toml" is also a valid search pattern.
+    (tmp_path / "[1].toml").write_text(GOOD, encoding="utf-8")
     assert softcradle("check", "[1].toml").out == "[1].toml: ok, 'one on two' with 3 beads\n"
     (tmp_path / "empty").mkdir()
     assert "no file with the ending .toml in the folder empty" in refused("check", "empty")
@@ -207,14 +210,17 @@ def test_check_takes_folders_and_patterns(tmp_path, monkeypatch, softcradle, ref
 
 @pytest.mark.parametrize("compiled", [False, True])
 def test_an_interrupted_run_leaves_the_old_file(compiled, tmp_path, monkeypatch, softcradle):
-    """Check Ctrl+C. pybind11 turns it into an ImportError, and the command printed "initialization failed" with exit
-    code 2.
+    """Check that Ctrl+C during a run does not change an existing output file.
+
+    With compiled code, pybind11 turns the interruption into an ImportError. The command then printed "initialization
+    failed" and returned exit code 2.
     """
     path = tmp_path / "out.csv"
     path.write_bytes(b"old")
 
     def interrupt(*_, **__):
-        assert len(list(tmp_path.iterdir())) == 2  # The output file is opened before the run.
+        # The second file is the temporary output file, which is opened before the run.
+        assert len(list(tmp_path.iterdir())) == 2
         if compiled:
             raise ImportError("initialization failed") from KeyboardInterrupt()
         raise KeyboardInterrupt

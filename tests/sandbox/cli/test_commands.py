@@ -1,5 +1,6 @@
-"""Tests of the command: help, output and files of its subcommands; narrow terminals, limited encodings, a full disk, no
-display.
+"""Tests of the command line: the help, the output and the files of each subcommand.
+
+They also check narrow terminals, limited text encodings, a full disk and a computer without a display.
 """
 
 import csv
@@ -58,7 +59,8 @@ def test_a_closed_pipe_is_no_error(words):
     shell = f"{sys.executable} -m softcradle {words} | true; exit ${{PIPESTATUS[0]}}"
     result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
     assert result.stderr == ""
-    assert result.returncode in (0, 141)  # The code is 0 if everything was written before the reader closed the pipe.
+    # The exit code is 0 if the command wrote all its output before the reader closed the pipe.
+    assert result.returncode in (0, 141)
 
 
 def test_methods_and_scenes_are_listed(softcradle):
@@ -70,7 +72,8 @@ def test_methods_and_scenes_are_listed(softcradle):
     out = softcradle("scenes").out
     for name in scenes.names():
         assert name in out
-        assert all(word in out for word in scenes.load(name).title.split())  # The table wraps long titles.
+        # A long title is wrapped in the table. Each word of the title is therefore searched separately.
+        assert all(word in out for word in scenes.load(name).title.split())
     found = json.loads(softcradle("scenes", "--json").out)
     assert [(one["name"], one["title"]) for one in found] == [
         (name, scenes.load(name).title) for name in scenes.names()
@@ -98,7 +101,10 @@ def test_run_prints_velocities_contacts_errors_and_cost(softcradle):
 
 
 def test_large_forces_have_a_unit_prefix(softcradle):
-    """Check that the unit is 1.33 MN, not 1329350 N, and that the momentum which the bed takes is not an error."""
+    """Check that a large force is printed as 1.33 MN, not as 1329350 N.
+
+    Also check that momentum lost to friction with the ground is not reported as an error.
+    """
     out = softcradle("run", "train-shunting").out
     assert "force [MN]" in out
     assert re.search(r"\b0-1 .* 1\.329\d* +0\.25\d* *$", out, re.MULTILINE)
@@ -125,7 +131,7 @@ def test_results_say_how_well_the_final_velocities_are_known(softcradle):
     assert lane["momentum_error"] < 1e-12
     assert lane["contacts"][0]["closed"] == pytest.approx(1.0, abs=1e-3)
     for bead, exact in zip(lane["beads"], FINAL, strict=True):
-        # The expected values have eight digits.
+        # The expected velocities are known to eight digits.
         assert abs(bead["final_velocity"] - exact) < bead["velocity_error"] + 1e-8
         assert bead["velocity_error"] <= lane["velocity_error"] < 1e-6
     assert "velocity error" in softcradle("run", "one-on-four", "--method", "accurate").out
@@ -147,7 +153,7 @@ def test_errors_are_relative_to_the_start():
         found, rate=found.rate * [[1.0], [0.5]], anchor=found.anchor * [[1.0, 1.0], [1.0, 0.5]],
         contact_intervals=(((0.1, 0.2), (0.9, math.inf)), (), (), ()),
     )  # fmt: skip
-    fast = replace(found, final_velocity=1e308 * np.ones(5))  # These velocities have no finite mean.
+    fast = replace(found, final_velocity=1e308 * np.ones(5))  # The mean of these velocities overflows to infinity.
     assert describe("", fast) == "The motion by accurate did not stay finite: choose a smaller step."
     summary = summarise("lane", slowed)
     errors = summary.energy_error, summary.energy_error_at_end, summary.momentum_error
@@ -162,8 +168,10 @@ def test_errors_are_relative_to_the_start():
 
 @pytest.mark.parametrize("velocity", [[0.5, 0.0, -0.3], [0.0, 0.0, -0.3]], ids=["moving", "at rest"])
 def test_work_of_a_moving_wall_is_no_error_of_energy(velocity):
-    """Check errors relative to the largest energy, which can be 0 at the start. They are unknown if a bed also takes
-    momentum.
+    """Check the energy error of a chain of beads with a moving wall.
+
+    The error is relative to the largest energy, because the energy at the start can be 0. It is None if friction with
+    the ground also takes momentum.
     """
     chain = Chain([1.0, 1.0, math.inf], hertz(30.0), gap=[0.1, 0.0])
     known = summarise("", simulate(chain, velocity, 2.0))
@@ -174,7 +182,7 @@ def test_work_of_a_moving_wall_is_no_error_of_energy(velocity):
 
 def test_a_run_that_gave_up_has_exit_code_3(softcradle, tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "MOST_FIXED_STEPS", 1000)
-    gives_up = ("--method", "verlet", "--step", "1e-12")  # A thousand such steps end long before the beads touch.
+    gives_up = ("--method", "verlet", "--step", "1e-12")  # The run stops after 1000 steps, long before the beads touch.
     out = " ".join(softcradle("run", "one-on-four", *gives_up, code=3).out.split())
     assert "velocity when it gave up" in out
     assert "final velocity" not in out
@@ -223,7 +231,7 @@ def test_no_number_of_a_run_is_lost(width, monkeypatch):
         if terminal:
             assert max(map(len, text.splitlines())) <= width
             assert "final velocity [m/s]" in " ".join(text.split()) or text.count("[m/s]") == 2
-        else:  # In a pipe, the rows of the table are as wide as needed.
+        else:  # If the output is a pipe, a table row can be wider than the terminal.
             assert any({"1.00000000", numbers[0]} <= set(line.split()) for line in text.splitlines())
 
 
@@ -235,7 +243,7 @@ def test_progress_in_a_file_is_a_line_now_and_then(monkeypatch, capsys):
         told = ""
         while "135 of 2000" not in told:
             told += capsys.readouterr().err
-    told += capsys.readouterr().err  # No line may be printed after the end.
+    told += capsys.readouterr().err  # No progress line may be printed after the work has ended.
     assert all(line.startswith("softcradle: cases: ") for line in told.splitlines())
     assert progress.line(70.0) == "cases: 135 of 2000, after 1 min, 0.5 a second, about 1.0 h left"
 
@@ -246,7 +254,8 @@ def test_a_film_shows_how_far_it_is_unless_it_is_to_be_quiet(tmp_path, monkeypat
     film += ["--size", "320x180", "--fps", "5", "--slow", "0.5"]
     told = re.findall(r"frames: (\d+) of (\d+)", softcradle(*film).err)
     assert told
-    assert all(int(done) <= int(count) for done, count in told)  # This also holds for a film that repeats a picture.
+    # The number of finished frames must not exceed the total, even if the film repeats a picture.
+    assert all(int(done) <= int(count) for done, count in told)
     assert softcradle(*film, "-q").err == ""
 
 
@@ -293,7 +302,7 @@ def test_endless_files_and_missing_folders_are_handled(line, code, told, tmp_pat
     ],
 )
 def test_without_a_display_the_window_is_refused_at_once(scene, lacks):
-    """Check that a wrong scene is reported before a missing display."""
+    """Check that an invalid scene is reported before a missing display."""
     displays = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER", "SDL_VIDEO_DRIVER")
     kept = {key: value for key, value in os.environ.items() if key not in displays}
     done = python("-m", "softcradle", "play", scene, check=False, env=kept)

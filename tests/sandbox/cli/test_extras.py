@@ -1,4 +1,7 @@
-"""Tests without the packages of an extra: commands that need it name the extra in one sentence, and the others work."""
+"""Tests of an installation without optional packages.
+
+A command that needs a missing package must name the extra that installs it. All other commands must work.
+"""
 
 import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for

@@ -1,12 +1,13 @@
-"""Tests of a full disk: every writer reports it in one sentence and leaves no file. Here, files are limited to 400
-bytes.
+"""Tests of a full disk. Every function that writes a file must report the error in one sentence and leave no file.
+
+The tests imitate a full disk by a limit of 400 bytes per file.
 """
 
 import pytest
 
 from tests.helpers.own_process import python
 
-pytestmark = pytest.mark.slow  # Every writer runs in its own process.
+pytestmark = pytest.mark.slow  # These tests are slow because each of them starts a new Python process.
 
 resource = pytest.importorskip("resource", reason="this system has no limit of file sizes")
 
@@ -23,7 +24,7 @@ OUTPUTS = {
     "npz": ("run", "one-on-four", *COARSE, "-o", "x.npz"),
     "numbers of a comparison": ("compare", "one-on-four", "--contact", "hertz(1)", *COARSE, "-o", "x.json"),
 }
-LIMIT = 400  # Largest file size [bytes].
+LIMIT = 400  # Largest size of a file [bytes].
 
 
 @pytest.mark.parametrize("arguments", OUTPUTS.values(), ids=OUTPUTS)

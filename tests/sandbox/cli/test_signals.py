@@ -1,4 +1,7 @@
-"""Tests of Ctrl+C and SIGTERM during long work, compiled or compiling: one line, the right exit code, no traceback."""
+"""Tests of Ctrl+C and SIGTERM during long calculations and during the compilation of kernels.
+
+The process must print one line and no traceback, and must return the right exit code.
+"""
 
 import os
 import re
@@ -54,7 +57,10 @@ runpy.run_module("softcradle", run_name="__main__")
 
 
 def begin(*words: str, folder: Path, **environment: str) -> subprocess.Popen[str]:
-    """Start a process with Python's own handler of Ctrl+C. A shell disables this handler in background processes."""
+    """Start a process that handles Ctrl+C in the same way as a Python program in a terminal.
+
+    A shell disables this handler in background processes.
+    """
     return subprocess.Popen(
         [sys.executable, *words],
         cwd=folder,
@@ -68,7 +74,7 @@ def begin(*words: str, folder: Path, **environment: str) -> subprocess.Popen[str
 
 
 def told(process: subprocess.Popen[str], number: int) -> list[str]:
-    if number == signal.SIGINT:  # A terminal sends the signal to all child processes of a command.
+    if number == signal.SIGINT:  # A terminal sends Ctrl+C to all child processes of a command.
         os.killpg(process.pid, number)
     else:
         process.send_signal(number)
@@ -84,7 +90,7 @@ def told(process: subprocess.Popen[str], number: int) -> list[str]:
 def test_a_compiled_run_hears_it(program, method, tmp_path):
     process = begin("-c", program, method, folder=tmp_path)
     assert process.stdout.readline() == "begun\n"
-    time.sleep(0.5)  # Wait until the process runs inside a kernel.
+    time.sleep(0.5)  # Wait until the process executes a compiled kernel.
     assert told(process, signal.SIGINT)[-1] == "KeyboardInterrupt"
     assert process.returncode == -signal.SIGINT
 
@@ -101,7 +107,8 @@ def test_a_command_hears_it_while_kernels_are_compiled(command, number, word, tm
     assert process.returncode == 128 + number, lines
     assert lines[-1] == f"softcradle: {word}"
     assert all(line.startswith("softcradle: ") for line in lines)
-    for lock in cache.rglob("*.compiling"):  # The background process compiles for a process that has ended.
+    # A background process may still compile kernels for the process that has ended. It is killed here.
+    for lock in cache.rglob("*.compiling"):
         os.kill(int(lock.read_text().split()[0]), signal.SIGKILL)
 
 

@@ -1,4 +1,6 @@
-"""Tests of `softcradle sweep`: studies from files, error messages, missing points, and points that exist already."""
+"""Tests of the command `softcradle sweep`. They cover study files, error messages, missing points and points that were
+computed earlier.
+"""
 
 import re
 from unittest.mock import Mock
@@ -42,7 +44,7 @@ GRID, VALUES = GOOD.partition("[grid]")[2], "values = [0.5, 1]"
 @pytest.fixture
 def swept(tmp_path, softcradle):
     def run(*words, text=GOOD, code=0):
-        # Some editors write a byte order mark at the beginning.
+        # Some text editors write a byte order mark at the beginning of a file.
         (tmp_path / "study.toml").write_text(text, encoding="utf-8-sig")
         return softcradle("sweep", f"{tmp_path}/study.toml", "-o", f"{tmp_path}/found.nc", *words, code=code)
 

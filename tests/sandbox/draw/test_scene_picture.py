@@ -1,5 +1,7 @@
-"""Tests of pictures: they show the motions, depend only on the sample, and have fitting texts, correct numbers and
-distinct colours.
+"""Tests of the pictures of scenes.
+
+They check that a picture shows the motion to scale and depends only on the sample. They also check that texts fit,
+numbers are correct and colours are distinct.
 """
 
 import math
@@ -116,7 +118,7 @@ def test_beads_overlaps_and_bars_are_drawn_to_scale():
     above = pixels[drawing.rect.top : math.floor(drawing.bar_base), drawing.rect.left : drawing.rect.right]
     heights = [near(above, colour).sum(axis=0).max() for colour in drawing.contact_colours]
     expected = drawing.bar_room * motions[0].force[row] / (picture.scales.force / FORCE_MARGIN)
-    lines_across = 3  # The line of the rigid cluster, and two partly covered pixels.
+    lines_across = 3  # Tolerance of the height [pixels]: one line for the rigid cluster, and two partly covered pixels.
     assert heights == pytest.approx(expected, abs=lines_across)
     assert min(expected) > 10
 
@@ -139,7 +141,7 @@ def test_a_wall_has_no_piston():
     lane = f"mass = [inf, 1.0]\nvelocity = [0.0, -1.0]\ngap = 0.5\ncontact = {contact}"
     _, motions, picture = pictured(f'title = "Wall"\nduration = 2.0\nview = {{magnify = 1.0}}\n[[lanes]]\n{lane}')
     row, drawing = strongest_row(motions), picture.lanes[0].drawing
-    assert motions[0].overlap[row, 0] > 0.6  # Overlap relative to the length of a bead.
+    assert motions[0].overlap[row, 0] > 0.6  # The overlap must exceed 0.6 of the length of a bead.
     beside = painted(picture, row)[: round(drawing.ground) - 5, : round(drawing.left() - 3)]
     assert (beside[round(drawing.bar_base) + 5 :, drawing.rect.left :] == tones.lane_background).all()
 
@@ -182,8 +184,9 @@ def test_lanes_share_times_axes_and_scale():
     ],
 )
 def test_bars_and_times_hold_all_that_they_show(lane):
-    """Check that the energy bar includes the energy absorbed by the bed, and that the bar fits a small momentum to the
-    left.
+    """Check that the energy bar includes the energy dissipated by ground friction.
+
+    Also check that the bar of the momentum has room for a small momentum to the left.
     """
     scene = hertz_row(20.0, **lane)
     (motion,) = motions = scene_motions(scene, 30.0)
@@ -230,7 +233,8 @@ def test_any_chain_and_any_size(text, size):
         assert 0.02 < (~near(frame, tones.background)).mean() < 0.9
         assert near(frame[0, 0], tones.background)
     assert (frames[0] != frames[-1]).any()
-    for drawing in (lane.drawing for lane in picture.lanes):  # Force bars are above the tallest body.
+    # The bars that show forces start above the tallest bead or wagon.
+    for drawing in (lane.drawing for lane in picture.lanes):
         assert (
             min(drawing.body_shape(bead, 0.0)[0].top for bead in range(len(drawing.chain.mass))) >= drawing.bar_base - 1
         )
@@ -258,13 +262,16 @@ def test_the_drawing_cache_drops_the_oldest_first():
         assert all(square(side).get_size() == (side, side) for side in sides)
         return drawn
 
-    sides = [256, 255, 254]  # Each needs a quarter of a megabyte.
+    sides = [256, 255, 254]  # Each square needs a quarter of a megabyte.
     assert drawn_anew(*sides, *sides) == sides
-    # 400 needs 0.61 MB: two drawings are dropped for it, and it is dropped for 255.
+    # The square with side 400 needs 0.61 MB, so two older squares are dropped. Drawing 255 again drops the square with
+    # side 400.
     assert drawn_anew(400, 254, 255, 254) == [400, 255]
-    assert drawn_anew(2000, 2000) == [2000]  # It is larger than the cache, so it is kept only until the next drawing.
+    # The square with side 2000 is larger than the cache. It is kept only until the next drawing.
+    assert drawn_anew(2000, 2000) == [2000]
     clear_cached_surfaces()
-    assert drawn_anew(*sides, *sides) == sides  # There is room for three again, because dropped drawings do not count.
+    # The cache again has room for three squares, because dropped squares do not count.
+    assert drawn_anew(*sides, *sides) == sides
 
 
 @given(st.lists(st.floats(-50, 250, allow_nan=False), min_size=1, max_size=12), st.floats(1, 16), st.floats(100, 300))
@@ -275,20 +282,23 @@ def test_names_beside_curves_keep_order_and_distance(places, gap, high):
     assert (steps >= min(gap, high / max(1, len(places) - 1)) - 1e-6).all()
     assert min(moved) >= -1e-6
     assert max(moved) <= high + 1e-6
-    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]  # Names with enough room stay in place.
+    # Names of curves stay in place if they have enough room.
+    assert spread([10.0, 50.0, 90.0], 12.0, 0.0, 100.0) == [10.0, 50.0, 90.0]
     assert spread([50.0, 50.0], 12.0, 0.0, 100.0) == [44.0, 56.0]
 
 
 CLOSED = [0.0] * 4
-# Overlaps and velocities before, overlaps and forces now, and the expected forces of the rigid cluster by Eq. (5).
+# Each case contains the overlaps and velocities before the collision, and the overlaps and forces during the collision.
+# The last list contains the forces that a rigid cluster would have by Eq. (5).
 CLUSTERS = [
     ([-1, 0, 0, 0], [1, 0, 0, 0, 0], CLOSED, [0.8, 0.5, 0.3, 0.1], [0, 0.6, 0.4, 0.2]),
-    # No contact pushes beyond a gap.
+    # A gap ends the cluster: beads beyond the gap feel no force.
     ([-1, 0, 0, -1], [1, 0, 0, 0, 0], [0, 0, 0, -1], [1, 1, 1, 0], [0, 2 / 3, 1 / 3, 0]),
     ([-1, -1, 0, 0], [1, 0, 0, 0, 0], [0, -1, 0, 0], [1, 0, 1, 1], [0, 0, 0, 0]),
     ([-1, 0, -1, 0], [1, 0, 0, 0, 0], [0, 0, -1, 0], [1, 1, 0, 1], [0, 0.5, 0, 0]),
-    ([0, -0.5, 0, -1], [0, 0, 0, 0, -1], [0, -0.5, 0, 0.1], [0, 0, 0.7, 1.0], [0, 0, 0.5, 0]),  # Struck from the right.
-    # Three beads that are hit with 3 N on the left have hit a fourth bead, which pushes back with 1 N.
+    # In this case, the cluster is hit from the right.
+    ([0, -0.5, 0, -1], [0, 0, 0, 0, -1], [0, -0.5, 0, 0.1], [0, 0, 0.7, 1.0], [0, 0, 0.5, 0]),
+    # Three beads are hit from the left with a force of 3 N. They have hit a fourth bead, which pushes back with 1 N.
     ([-1, 0, 0, -1e-3], [1, 0, 0, 0, 0], [0.1] * 4, [3, 2, 2, 1], [0, 3 * 2 / 3 + 1 / 3, 3 / 3 + 2 / 3, 0]),
 ]
 
@@ -300,8 +310,10 @@ def test_rigid_forces_follow_equation_5(before, velocity, now, force, expected):
 
 
 def test_where_clusters_end_and_which_have_marks():
-    """Check clusters. Touching beads belong together unless their velocities differ. There are no marks at a wall,
-    without a collision, or for one bead.
+    """Check which beads form a cluster and which clusters have marks.
+
+    Neighbouring beads that touch form a cluster unless their velocities differ. No mark is drawn at a wall, without a
+    collision or for a single bead.
     """
     assert cluster_ends(CLOSED, [1, 0, 0, 0, 0], 1.0) == (True, False, False, False)
     assert cluster_ends([0.0, -1e-17, 1e-30, 0.0], [0, 0, 0, 0, 1e-9], 1.0) == (False, False, False, True)
@@ -355,7 +367,8 @@ def test_errors_are_those_of_the_motion():
     assert motion.momentum_error[-1] < 1e-12
     lost = replace(motion, balance=motion.balance * np.linspace(1.0, 0.9, len(motion.time))[:, None])
     assert lost.energy_error[-1] == pytest.approx(0.1)
-    # The error refers to the sum of absolute momenta, because the striker bounces back.
+    # The error is relative to the sum of the absolute momenta. The striker bounces back, so the sum is larger than the
+    # total momentum.
     assert 0.05 < lost.momentum_error[-1] < 0.1
 
 
@@ -427,7 +440,8 @@ def test_numbers(found, expected):
     assert found == expected
 
 
-# Deuteranopia and protanopia after Machado et al. (2009), severity 1, on linear light.
+# Simulation of red-green colour blindness (deuteranopia and protanopia) after Machado et al. (2009), for linear RGB and
+# severity 1.
 COLOUR_BLIND = [
     [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
     [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -438,7 +452,7 @@ def test_colours_differ_for_the_colour_blind():
     linear = (np.array(BEAD_COLOURS) / 255.0) ** 2.2
     seen = np.clip(linear @ np.transpose(COLOUR_BLIND, (0, 2, 1)), 0.0, 1.0) ** (1 / 2.2) * 255.0
     distance = np.linalg.norm(seen[:, :, None] - seen[:, None], axis=-1)
-    # Twice the smallest distance that can be distinguished.
+    # The limit is twice the smallest colour distance that people can distinguish.
     assert (distance + 1e3 * np.eye(len(BEAD_COLOURS))).min() > 40.0
     assert len(set(bead_colours(60))) == 60
     assert bead_colours(12) == BEAD_COLOURS

@@ -1,4 +1,7 @@
-"""Tests of films: frames read back, segments of several threads, early error messages, files complete or missing."""
+"""Tests of films: the frames in the file, the encoding by several threads, and error messages.
+
+Also check that a film file is either complete or absent.
+"""
 
 import math
 import threading
@@ -28,7 +31,7 @@ from tests.helpers.drawn_text import colliding, film_texts
 
 SIZE = (480, 270)
 FPS = 12.0
-ROWS = math.ceil(scene_film.LEAST_ROWS / FPS)  # Samples of the motion per frame.
+ROWS = math.ceil(scene_film.LEAST_ROWS / FPS)  # Number of samples of the motion per frame of the film.
 LANES = """
 lanes = [{label = "soft", beads = [1, 3], velocity = 1.0, contact = {law = "power_law", f0 = 1.0, alpha = 0.25}},
          {label = "hard", beads = [1, 3], velocity = 1.0, contact = {law = "hertz", stiffness = 30.0}}]
@@ -52,7 +55,7 @@ def rendered(path, **options):
 
 
 def difference(found, expected):
-    """Return the mean colour difference of the worst frame."""
+    """Return the mean colour difference of the frame with the largest difference."""
     return np.abs(found.astype(int) - expected).mean(axis=(1, 2, 3)).max()
 
 
@@ -85,8 +88,8 @@ def test_gif_frame_by_frame(tmp_path, frames):
     places = np.searchsorted(ends, (np.arange(len(frames)) + 0.5) * 1000 / FPS)
     found = np.array([shown[min(k, len(shown) - 1)][0] for k in places])
     assert difference(found, frames) < 0.5
-    # The palette contains the background exactly and other colours approximately: the largest difference measured is
-    # 33.
+    # A GIF stores the background colour exactly and other colours approximately. The largest measured colour difference
+    # is 33.
     background = (frames == np.median(frames[-1], axis=(0, 1))).all(axis=-1)
     assert (found == frames)[background].all()
     assert np.abs(found.astype(int) - frames).max() < 36
@@ -100,7 +103,7 @@ def test_single_picture_is_the_moment_of_the_greatest_force(tmp_path):
     Picture(SCENE, motions, SIZE).paint(surface, strongest_row(motions))
     with Image.open(tmp_path / "still.png") as image:
         assert (np.asarray(image.convert("RGB")) == pixels_of(surface)[..., 2::-1]).all()
-    # The couplers of this scene pull with the largest forces.
+    # In this scene, the largest forces are pulling forces of couplers.
     starting = scene_motions(scenes.load("train-starting"), 5.0)
     for each in (motions, starting):
         strongest = max(np.abs(motion.force).max() for motion in each)
@@ -193,8 +196,9 @@ def test_a_full_folder_or_a_missing_codec_is_an_error(tmp_path, monkeypatch):
 
 
 def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):
-    """Check a film with 5 frames per second. Its force curves were ramps. Now the motion has as many samples as a
-    fluent film.
+    """Check that a film with 5 frames per second shows smooth force curves.
+
+    Such a film once showed ramps. The motion now has as many samples as in a film with the usual frame rate.
     """
     drawn = Mock(wraps=Picture)
     monkeypatch.setattr(scene_film, "Picture", drawn)
@@ -242,7 +246,10 @@ def three(law, stiffness, gap):
 
 
 def test_a_film_ends_before_a_pause_that_no_one_waits_for():
-    """Check the end of a film. Explicit steps leave relative velocities a million times smaller than the collision."""
+    """Check that a film does not wait for a collision of very slow beads.
+
+    Explicit integrators leave relative velocities that are a million times smaller than the speed of the collision.
+    """
     scene = three("hooke", 1e3, [0.7, 0.3])
     with pytest.warns(RuntimeWarning, match=r"shown up to t = .* slow beads would meet again at t = .*e\+0"):
         end = motion_end(scene, "verlet", 1 / 500)
@@ -265,7 +272,7 @@ def test_the_number_of_frames_is_limited(tmp_path, monkeypatch):
     assert 0.0 in motion.time
     few = rendered(
         tmp_path / "few.gif", fps=1, **long
-    )  # Because of the curves, the motion has more samples than this film has frames.
+    )  # The motion has more samples than this film has frames, because the force curves need them.
     assert few.frames < 60
     with pytest.raises(
         UserError, match=r"the kymograph would have \d+ frames, .*: choose fewer frames a second \(--fps\)"
@@ -279,20 +286,22 @@ def test_beads_that_are_far_apart_have_all_the_time_that_they_need():
     assert scene_motions(far, 1.0)[0].time[-1] > 50.0
 
 
-# x264 with AVX-512 is bitwise reproducible only if half the width is a multiple of 64.
+# The output of x264 with AVX-512 is bitwise reproducible only if half the picture width is a multiple of 64.
 WIDE = (640, 360)
 FRAMES = 130
 
 
 def six_segments(monkeypatch, cores):
-    """Divide films of FRAMES frames into six segments, and encode them on this number of cores."""
+    """Divide a film of FRAMES frames into six segments, and encode it with `cores` threads."""
     monkeypatch.setattr(encoder, "SEGMENT_FRAMES", 22)
     monkeypatch.setattr(encoder, "SHORTEST_SEGMENT", 10)
     monkeypatch.setattr(encoder, "cores", lambda: cores)
 
 
 def paint(surface, number):
-    """Draw a unique frame: a moving bar, and a ground whose colour contains the frame number."""
+    """Draw a frame that is different for each `number`. The position of a bar and the background colour depend on
+    `number`.
+    """
     surface.fill((number, 40, 200 - number))
     surface.fill((250, 250, 120), (4 * number, 60, 80, 200))
 
@@ -325,8 +334,9 @@ def test_segments_of_a_film_are_equal_on_any_number_of_cores(tmp_path, monkeypat
 
 
 def test_a_picture_that_stays_is_drawn_once_a_segment(tmp_path, monkeypatch):
-    """Compare with a film in which every frame is drawn. A repeated picture is drawn again only at the beginning of a
-    segment.
+    """Check that a repeated picture is drawn only once in each segment of the film.
+
+    The file must be equal to the file of a film in which every frame is drawn.
     """
     pictures = [0] * 50 + list(range(1, 31)) + [30] * 49
     six_segments(monkeypatch, 2)
@@ -353,7 +363,10 @@ def left(folder):
 @pytest.mark.parametrize("failing", [0, 25, 60, 129])
 @pytest.mark.parametrize("cores", [1, 3])
 def test_an_error_of_any_encoder_reaches_the_caller(tmp_path, monkeypatch, failing, cores):
-    """Simulate a full disk at frame number `failing`, counted in the order of the encoders."""
+    """Check that an error while writing frame number `failing` is reported to the caller.
+
+    The frames are counted in the order in which the encoders write them. The error imitates a full disk.
+    """
     calls, make = iter(range(1000)), formats.FrameMaker.__call__
 
     def broken(maker, surface):

@@ -1,4 +1,7 @@
-"""Tests of kymographs: camera frames agree with the motion to a pixel; scale bars, marks, and the command."""
+"""Tests of kymographs, which are pictures of positions over time.
+
+They check that the camera frames agree with the motion to one pixel. They also check scale bars, marks and the command.
+"""
 
 import numpy as np
 import pytest
@@ -17,7 +20,7 @@ IN_TOUCH = f'title = "x"\n[[lanes]]\nbeads = 2\nvelocity = [1.0, 0.0]\ncontact =
 
 
 def filmed(scene, rate=CAMERA_RATE):
-    """Return the scene of a kymograph, and its motions with the frame rate of this camera."""
+    """Return the scene of a kymograph and its motions, sampled with the frame rate `rate`."""
     scene = filmed_scene(scene, motion_end(scene))
     return scene, scene_motions(scene, rate)
 
@@ -38,11 +41,12 @@ def test_frames_and_trajectory_agree_to_a_pixel(scene, rate, number):
     frames = kymograph.stacked(camera, motion)
     assert frames.shape == (len(motion.time), WIDTH, 3)
     places, marked = camera.markers(motion), np.isfinite(motion.chain.mass).sum()
-    assert np.ptp(places, axis=0).max() > 20.0  # A camera that shows no motion would fail here.
-    # Only markers are as dark as this.
+    # The beads must move more than 20 pixels. Otherwise a camera that ignores the motion would pass the test.
+    assert np.ptp(places, axis=0).max() > 20.0
+    # Only the markers on the beads are darker than this limit.
     for black, where in zip(frames.sum(axis=2, dtype=int) < 60, places, strict=True):
         found = np.flatnonzero(np.diff(black, prepend=False, append=False)).reshape(-1, 2).mean(axis=1)
-        assert len(found) == len(where) == marked  # Every bead has a marker, and walls have none.
+        assert len(found) == len(where) == marked  # Every bead has one marker, and walls have no marker.
         assert np.abs(found - where).max() <= 1.0
 
 
@@ -52,18 +56,24 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
     assert not {"one-on-four", "hooke-interface", "mixed"} & si
     scene = load("draft-gear-one-on-three")
     assert kymograph.camera_rate(filmed_scene(scene, 0.06), 0.06, 1137) == CAMERA_RATE
-    # The frame rate is reduced by this factor.
+    # Factor by which the frame rate of the camera is reduced for a long motion.
     every = CAMERA_RATE / kymograph.camera_rate(filmed_scene(scene, 6.0), 6.0, 1137)
     assert every == pytest.approx(round(every), rel=1e-12)
-    for scene in load("one-on-four"), parse(IN_TOUCH):  # Without and with a time before the motion.
+    # The first scene starts with free flight before the collision, and the second one does not.
+    for scene in load("one-on-four"), parse(IN_TOUCH):
         end = motion_end(scene)
         rows = scene_motions(scene, kymograph.camera_rate(scene, end, 1000), end=end)[0].time
-        assert len(rows) == pytest.approx(1000, abs=2)  # One frame per column.
+        # The motion has one sample for each of the 1000 columns of the kymograph.
+        assert len(rows) == pytest.approx(1000, abs=2)
 
 
 def test_a_kymograph_has_scale_bars_and_marks(tmp_path, softcradle):
-    """Check dotted lines across the lane: at t = 0, and at the time at which 20 mm are passed with 0.5 m/s."""
-    path, rate = tmp_path / "x.kymograph.png", 1026.0  # Frames per second, half of the rate of the paper's camera.
+    """Check the scale bars, and the two dotted lines across the kymograph.
+
+    The first line is at t = 0. The second one is at the time at which a bead has moved 20 mm with 0.5 m/s.
+    """
+    # Frame rate [frames/s], half of the frame rate of the camera in the paper.
+    path, rate = tmp_path / "x.kymograph.png", 1026.0
     scene, (motion,) = filmed(load("draft-gear-two-on-two"), rate)
     words = "--size", "1440x720", "--fps", str(rate)
     assert "camera frames" in softcradle("render", "draft-gear-two-on-two", "-o", str(path), *words).out
@@ -73,7 +83,8 @@ def test_a_kymograph_has_scale_bars_and_marks(tmp_path, softcradle):
         picture = np.asarray(opened.convert("RGB"))
     assert picture.shape == (720, 1440, 3)
     black = (picture == np.array(tones.foreground)).all(axis=2)
-    across, tall = 1440 - 2 * 28 - 92, 720 - 80 - 58 - 24 - 14  # Size of the kymograph [pixels].
+    # Width and height of the kymograph without its margins [pixels].
+    across, tall = 1440 - 2 * 28 - 92, 720 - 80 - 58 - 24 - 14
     below, right = black[-60:-40].sum(axis=1).max(), black[100:-62, -118:-90].sum(axis=0).max()
     assert below == pytest.approx(0.1 * rate * across / frames, abs=2)
     assert right == pytest.approx(0.12 / np.ptp(scales_of(scene, [motion]).window) * tall, abs=2)

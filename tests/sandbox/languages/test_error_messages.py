@@ -1,4 +1,7 @@
-"""Every error that can reach the window has a code or is a translated sentence, and every translation exists."""
+"""Tests of the error messages that the window can show.
+
+Each message must have an error code or be a translated sentence, and all translations must exist.
+"""
 
 import ast
 import math
@@ -19,9 +22,10 @@ from tests.helpers.paths import ROOT
 from tools.update_catalogues import is_translated, read_catalogue
 
 CODES = [code for code in LANGUAGES if code != "en"]
-# Python interfaces that the window does not call with numbers of a user, and errors of installation.
+# Modules whose errors the window never shows. They are interfaces for Python programs, or report a wrong installation.
 API_ONLY = ("analysis", "batch", "numerics", "pymunk_contacts", "__init__.py", "ensemble_runs.py", "extras.py")
-# Parts of the sandbox that the window uses. Errors in the code itself, which no user can cause, are in IMPOSSIBLE.
+# Modules of the sandbox whose errors the window can show. The modules in IMPOSSIBLE report only programming errors,
+# which a user cannot cause.
 USED_BY_WINDOW = (
     "session",
     "film",
@@ -34,7 +38,7 @@ USED_BY_WINDOW = (
     "measured_table.py",
 )
 IMPOSSIBLE = {"display.py", "page.py"}
-# Errors whose text the window shows. An error of another class is a mistake in the code.
+# Exceptions whose text the window shows to the user. Any other exception is a programming error.
 SHOWN = {
     "ValueError",
     "UserError",
@@ -64,7 +68,7 @@ def sources(folder):
 
 
 def raised_texts(path, tree):
-    """Yield the places at which an error that the window shows is raised with a bare text."""
+    """Yield the source line of each error that the window can show and whose text has no error code."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and name_of(node.exc) in SHOWN:
             arguments = node.exc.args[:1]
@@ -75,7 +79,7 @@ def raised_texts(path, tree):
 
 @cache
 def messages():
-    """Return code, template and place of each message with a code."""
+    """Return the code, the text template and the source line of each message with an error code."""
     found = []
     for folder in ("physics", "scenes", "sandbox"):
         for path, tree in sources(folder):
@@ -220,7 +224,7 @@ def test_mistakes_are_reported_in_the_language(language, mistake):
         translated = message_words(problem)
         assert translated != problem
         assert not ENGLISH & set(translated.replace("'", " ").replace(":", " ").split()), translated
-    named = getattr(mistake, "args", ())[-1:]  # Name of a scene or of its file.
+    named = getattr(mistake, "args", ())[-1:]  # The last argument of the exception is the name of a scene or of a file.
     assert all(name in translated for name in named)
 
 

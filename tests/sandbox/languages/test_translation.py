@@ -1,4 +1,7 @@
-"""Tests of translations: plural forms, number formats, the locale, texts of scenes, error messages of the physics."""
+"""Tests of translations: plural forms, number formats, and the choice of the language from the locale.
+
+They also check the translated texts of scenes and the translated error messages of the physics.
+"""
 
 import string
 from dataclasses import replace
@@ -68,14 +71,14 @@ def test_labels_of_edited_lanes():
     heavy = replace(one_on(1, gear), mass=(1.0, 2.0))
     edited = lane_label(contacts_text((gear,)), one_on(1, gear), heavy)
     assert languages.scene_words(edited) == "amortisseur d'attelage, modifié"
-    assert lane_label(edited, one_on(1, gear), heavy) == "draft gear, edited"  # Files are English.
+    assert lane_label(edited, one_on(1, gear), heavy) == "draft gear, edited"  # A label in a file is always English.
     assert Lane.of(heavy, (1.0, 0.0), edited).label is edited
     with languages.english():
         assert languages.scene_words(edited) == "draft gear, edited"
 
 
 def label_of(*contacts):
-    """Return the words of the label of a lane with these contacts."""
+    """Return the label of a row of beads with these contacts, in the current language."""
     return languages.scene_words(contacts_text(contacts))
 
 
@@ -88,7 +91,7 @@ CODES = [code for code in LANGUAGES if code != "en"]
 
 
 def fields(text: str) -> set[tuple[str, str, str | None]]:
-    """Return the names, formats and conversions of the {placeholders} in a text."""
+    """Return the name, the format and the conversion of each {placeholder} in a text."""
     parts = string.Formatter().parse(text)
     return {(name, form or "", conversion) for _, name, form, conversion in parts if name is not None}
 
@@ -117,7 +120,10 @@ def test_the_fonts_have_every_letter(code, bold):
 
 
 def test_missing_translations_are_counted(tmp_path, monkeypatch, capsys):
-    """Check that new messages are empty, and that only a release needs all translations."""
+    """Check that a new message has an empty translation, which is counted as missing.
+
+    A missing translation is an error only before a release.
+    """
     path = tmp_path / "de.po"
     for module in ("tools.update_catalogues", "softcradle.sandbox.languages.translation"):
         monkeypatch.setattr(f"{module}.catalogue_path", lambda code: path)
@@ -125,7 +131,7 @@ def test_missing_translations_are_counted(tmp_path, monkeypatch, capsys):
     path.write_text(text.replace('msgstr "Rückgängig"', 'msgstr ""'), encoding="utf-8")
     waiting = update("de")
     assert waiting > 0
-    german = translation.catalogue.__wrapped__("de")  # Read the file again, without the cache.
+    german = translation.catalogue.__wrapped__("de")  # Call the function without its cache to read the changed file.
     assert german.gettext("Undo") == "Undo"
     assert german.gettext("Redo") != "Redo"
     monkeypatch.setattr("tools.update_catalogues.LANGUAGES", {"de": LANGUAGES["de"]})

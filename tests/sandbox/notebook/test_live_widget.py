@@ -1,4 +1,4 @@
-"""Tests of the page in a notebook that reports its state to Python."""
+"""Tests of the notebook widget, a web page that sends its state to Python."""
 
 import sys
 
@@ -11,7 +11,8 @@ from softcradle import scenes
 from tools.browser import Browser
 from tools.browser import found as chromium
 
-# A model as anywidget passes it to the script: `sent` contains the states that it would send to Python.
+# Web page with a model like the one that anywidget passes to a script. The list `sent` contains the states that the
+# model would send to Python.
 MODEL = """<!doctype html><title>notebook</title><link rel="icon" href="data:,"><div id="cell"></div><script>
 const values = {text: %s, height: 500}, sent = [], listeners = [];
 const model = {get: (name) => values[name], set: (name, value) => { values[name] = value; },

@@ -1,5 +1,6 @@
-"""Tests of notebook views: short texts, tables with a picture, figures, films, tables for other libraries, and the
-window.
+"""Tests of the notebook views of results and scenes.
+
+They check short texts, figures, films, tables for other Python packages, and opening the window.
 """
 
 import base64
@@ -55,11 +56,11 @@ def test_a_figure_is_shown_without_any_setting(found, tmp_path):
     figure = found.plot()
     assert figure._repr_png_().startswith(b"\x89PNG")
     assert len(figure.axes) == 2
-    assert len(figure.axes[0].lines) == 6  # Five beads and the line at 0.
+    assert len(figure.axes[0].lines) == 6  # The six lines are the curves of five beads and the line at 0.
     np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), found.force[:, 0])
     figure.savefig(tmp_path / "figure.pdf")
     pulled = simulate(Chain([1, 1], Coupler(hertz(1), hertz(9))), [0, 1], 3.0)
-    # The axes must not cut off pulls, or lanes with larger forces.
+    # The axes must show all forces, including negative forces and the larger forces of a second row of beads.
     for shown in (pulled, scenes.load("stiff-springs")):
         axes = shown.plot().axes
         for panel in axes[len(axes) // 2 :]:
@@ -76,7 +77,8 @@ def test_a_film_is_shown_and_saved(found, tmp_path):
     with av.open(str(tmp_path / "film.mp4")) as container:
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
     assert len(frames) == pytest.approx(30.0 * found.time[-1], abs=2)
-    assert np.abs(frames[0].astype(int) - frames[-1]).max() > 50  # Something has moved.
+    # The first frame and the last frame differ because the beads have moved.
+    assert np.abs(frames[0].astype(int) - frames[-1]).max() > 50
 
 
 def test_a_page_plays_the_samples(found, tmp_path):
@@ -85,9 +87,11 @@ def test_a_page_plays_the_samples(found, tmp_path):
     assert "5 beads, by conserving" in text
     assert "power_law(1, 0.1)" in text
     assert 'data-say="file"' in text
-    with pytest.raises(UserError, match="slow motion must be from 1e-20"):  # The same limits as for films.
+    # The limits of slow motion are the same as for films.
+    with pytest.raises(UserError, match="slow motion must be from 1e-20"):
         found.to_page(tmp_path / "page.html", slow=0.0)
-    late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))  # These samples do not include the start.
+    # These samples begin at t = 1 s and do not include the start of the motion.
+    late = simulate(CHAIN, [1, 0, 0, 0, 0], samples=np.linspace(1, 3, 51))
     late.to_page(tmp_path / "late.html")
     assert 'data-say="file"' not in (tmp_path / "late.html").read_text(encoding="utf-8")
     assert f"<td>0</td><td>1</td><td>-</td><td>{MINUS}0.56" in late._repr_html_()
@@ -102,7 +106,8 @@ def test_a_scene_lives_in_a_cell_and_in_a_file(tmp_path, monkeypatch):
     cell = scene.live()
     shown = cell._repr_html_()
     assert shown.startswith("<iframe ")
-    assert shown.count("<") == 2  # The page is the text of an attribute.
+    # The only tags are `<iframe>` and its end. The text of the page is escaped in an attribute.
+    assert shown.count("<") == 2
     scene.to_page(tmp_path / "page.html")
     cell.save(tmp_path / "cell.html")
     assert (tmp_path / "cell.html").read_text() == (tmp_path / "page.html").read_text()
