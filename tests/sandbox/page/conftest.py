@@ -1,4 +1,6 @@
-"""Fixtures and helpers of the tests of pages: pages written once, their tags and data, and a browser."""
+"""Fixtures and helpers for tests of web pages. Each page is written once, its tags and data are parsed, and a browser
+opens it.
+"""
 
 import json
 import re
@@ -15,9 +17,9 @@ from tools.browser import Browser
 
 SOFT = {"law": "power_law", "f0": 1.0, "alpha": 0.1}
 SCENE = "one-on-four"
-ALONE = "#with=none"  # Fragment of a page without the row for comparison.
-TRAIN = "train"  # Name of the page of `uncoupled`.
-BOOKED = 1e-10  # Largest allowed relative error of the energy.
+ALONE = "#with=none"  # End of the address of a page that shows no second row of beads for comparison.
+TRAIN = "train"  # Name under which `pages` writes the scene of `uncoupled`.
+BOOKED = 1e-10  # Largest allowed relative energy error.
 SAID = "document.getElementById('words').textContent.replaceAll('\u00a0', ' ')"
 LEDGER = "document.getElementById('energy').textContent"
 NOTICE = "document.getElementById('notice').innerText"
@@ -28,7 +30,10 @@ VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 
 
 class TagChecker(HTMLParser):
-    """A parser that checks that every tag is closed, and collects the links and the ids of the page."""
+    """A parser that checks that every tag is closed.
+
+    It collects the links and the ids of the page.
+    """
 
     def __init__(self, text):
         super().__init__()
@@ -53,13 +58,19 @@ def page_data(text):
 
 @pytest.fixture(scope="session")
 def pages(tmp_path_factory):
-    """Return a function that writes the page of a scene once and returns the report of `render_page`."""
+    """Return a function that writes the web page of a scene and returns the report of `render_page`.
+
+    The page of each scene is written only once.
+    """
     folder = tmp_path_factory.mktemp("pages")
     return cache(lambda name: render_page(uncoupled() if name == TRAIN else load_scene(name), folder / f"{name}.html"))
 
 
 def uncoupled():
-    """Return the shunting scene with gears that only push, which a page can compute."""
+    """Return the scene "train-shunting" without couplers.
+
+    The draft gears of the wagons push but do not pull, so a web page can compute the motion.
+    """
     scene = load_scene("train-shunting")
     (lane,) = scene.lanes
     pushing = lane.model_copy(update={"contact": lane.contact.push, "approach": 0.02})
@@ -74,8 +85,10 @@ def process(tmp_path_factory):
 
 @pytest.fixture
 def browser(process):
-    """Return an empty page for each test. At the end, its energy must be balanced and its console empty, except for a
-    hint about reading canvases.
+    """Return a browser that shows an empty page.
+
+    After each test, check that the energy of the simulation is balanced and that the console has no messages. Hints
+    about reading the pixels of a canvas are ignored.
     """
     process.fresh()
     yield process
@@ -85,14 +98,17 @@ def browser(process):
 
 @pytest.fixture
 def live(pages, browser):
-    """Return the browser with the page of one bead on four, without the row for comparison."""
+    """Return the browser with the page of the scene "one-on-four". The page shows no second row of beads for
+    comparison.
+    """
     browser.visit(pages(SCENE).output, ALONE)
     return browser
 
 
 def error(browser):
-    """Return the largest relative energy error of the rows. Rows whose energy balance is unknown because a wall moves
-    are left out.
+    """Return the largest relative energy error of all rows of beads on the page.
+
+    A row with a moving wall is left out, because its energy balance is unknown.
     """
     return browser.run("Math.max(...page.source.rows.map((row) => (row.balanced ? row.energyError() : 0)))")
 
@@ -102,12 +118,14 @@ def velocities(browser, lane=0):
 
 
 def hold_the_clock(browser):
-    """Stop the clock of the page, so that time advances only by `pictures`, whatever the load of the machine is."""
+    """Stop the clock of the page. Only calls of `pictures` advance the time, so the load of the computer has no
+    influence.
+    """
     browser.run("page.again(), page.pause(), page.next = () => 0, window.clock = 0")
 
 
 def pictures(browser, count):
-    """Draw this number of frames of the motion, 1/60 s apart."""
+    """Draw `count` frames of the motion, with 1/60 s between two frames."""
     browser.run(f"for (let k = 0; k < {count}; k++) page.picture(window.clock += 1000 / 60)")
 
 
@@ -117,9 +135,10 @@ def run_to_the_end(browser):
 
 
 def visit_row(browser, folder, duration=None, fragment=ALONE, method=None, **lane):
-    """Open the page of a row, with soft contacts and without a row for comparison by default.
+    """Open the web page of one row of beads.
 
-    With a `method`, the page plays a recorded motion.
+    By default, the contacts are soft and the page shows no second row for comparison. If `method` is given, the page
+    plays a recorded motion.
     """
     scene = Scene(title="a row", lanes=(Lane(**{"contact": SOFT} | lane),), duration=duration)
     browser.visit(render_page(scene, folder / "page.html", method=method).output, fragment)

@@ -1,4 +1,8 @@
-"""Tests of the controls of the page: names, roles and keys, touch, contrast, sizes, and requests of links."""
+"""Tests of the controls of the web page.
+
+They check names and roles for screen readers, keys, touch, colour contrast and sizes. They also check settings that a
+link requests.
+"""
 
 import numpy as np
 import pytest
@@ -39,7 +43,7 @@ CONTROLS = [
     ("checkbox", "energy and momentum bars"), ("checkbox", "graphs"), ("button", "Share"), ("combobox", "Language"),
     ("button", "Only the last one flies off"), ("button", "All move off together"), ("button", "Each goes at its own speed"),
 ]  # fmt: skip
-SLIDERS = {  # Key to press, and the text of the value after it.
+SLIDERS = {  # For each slider: the keys to press, and the text of its value after each key.
     "alpha": [("ArrowRight", "1/9"), ("Home", "1/40"), ("ArrowRight", "1/35"), ("End", "1.5")],
     "targets": [*[("ArrowRight", str(n)) for n in range(5, 10)], ("ArrowLeft", "8"), ("Home", "1"), ("End", "49")],
     "strikers": [("ArrowRight", "2"), ("ArrowUp", "3"), ("ArrowDown", "2"), ("End", "10"), ("Home", "1")],
@@ -49,7 +53,8 @@ SLIDERS = {  # Key to press, and the text of the value after it.
 }
 AT = """(() => { const box = document.getElementById('%s').getBoundingClientRect();
   return [box.left, box.top, box.width, box.height]; })()"""
-# Record texts drawn on canvases from now on, with their colour and the most frequent colour behind them.
+# Script that records the texts drawn on canvases. It stores the colour of each text and the most frequent colour behind
+# it.
 WRITTEN = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText;
   window.written = [];
@@ -70,7 +75,7 @@ WRITTEN = """(() => {
 
 
 def tree(browser):
-    """Return role, name and properties of everything in the browser's own accessibility tree."""
+    """Return the role, the name and the properties of each element in the accessibility tree of the browser."""
     browser.call("Accessibility.enable")
     nodes = browser.call("Accessibility.getFullAXTree")["nodes"]
     return [
@@ -154,7 +159,7 @@ def test_nothing_that_is_read_aloud_changes_while_the_motion_plays(live):
     assert live.run("spoken") == 0
     assert "timer" in [role for role, _, _ in tree(live)]
     lengths = {len(live.run(f"page.pause(), page.go({t}), part('clock').textContent")) for t in np.linspace(0.9, 4, 30)}
-    assert len(lengths) == 1  # The number of digits does not change.
+    assert len(lengths) == 1  # The text of the clock always has the same number of digits, so it does not move.
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -169,12 +174,16 @@ def test_beads_and_softness_are_seen_together(pages, browser, size, fragment):
         assert browser.run(seen)
     x, y, wide, high = browser.run(AT % "alpha")
     assert browser.run(f"document.elementFromPoint({x + wide / 2}, {y + high / 2}).id") == "alpha"
-    assert browser.run("page.stages.every(({view}) => view.barRoom > 12)")  # The forces can be distinguished.
+    # The bars that show forces have enough room to be distinguished.
+    assert browser.run("page.stages.every(({view}) => view.barRoom > 12)")
 
 
 @pytest.mark.parametrize("size", [(320, 256), (390, 664), (844, 390), (320, 640), (640, 400)])
 def test_the_first_screen_shows_beads_and_no_bar_lies_on_them(pages, browser, size):
-    """Check small screens: 320 by 256 is a screen of 1280 by 1024 at a zoom of 400 %."""
+    """Check that small screens show the beads without scrolling, and that no toolbar covers them.
+
+    The size 320 by 256 is a screen of 1280 by 1024 pixels at a zoom of 400 %.
+    """
     browser.device(*size)
     browser.visit(pages(SCENE).output, ALONE)
     x, y, high = browser.run(PLACE % 2)
@@ -183,7 +192,7 @@ def test_the_first_screen_shows_beads_and_no_bar_lies_on_them(pages, browser, si
     browser.run("page.pause(), scrollTo(0, 1e6)")
     fixed = "[...document.querySelectorAll('#bench, .transport')].filter((one) => getComputedStyle(one).display !== 'contents')"
     boxes = browser.run(f"{fixed}.map((one) => one.getBoundingClientRect()).map(({{top, bottom}}) => [top, bottom])")
-    wide = size[0] >= 640  # The settings scroll to the right of the beads.
+    wide = size[0] >= 640  # On a wide screen, the settings are to the right of the beads and scroll separately.
     for top, bottom in boxes:
         assert min(bottom, size[1]) - max(top, 0) <= (size[1] if wide else 0.7 * size[1])
 
@@ -218,7 +227,7 @@ def test_texts_of_canvases_and_edges_of_controls_stand_out(pages, browser, name,
         ground = tuple(behind) if opacity == 255 else paper
         assert contrast(ImageColor.getrgb(colour), ground) >= 4.5, words
     for one, other in ((edge, paper), (edge, card), (ink, paper)):
-        assert contrast(one, other) >= 3.0  # WCAG 1.4.11.
+        assert contrast(one, other) >= 3.0  # The accessibility guideline WCAG 1.4.11 requires a contrast of at least 3.
     used = browser.run("['toggle', 'back', 'law'].map((id) => getComputedStyle(part(id)).borderColor)")
     assert all(contrast(ImageColor.getrgb(colour), paper) >= 3.0 for colour in used)
 
@@ -321,7 +330,8 @@ def test_all_that_a_link_asks_is_done_or_named_in_one_line(pages, browser, name,
     }
     assert browser.run(NOTICE) == notice
     browser.run("page.edit('pace', 1)")
-    assert "This link" not in browser.run(NOTICE)  # A change by hand cancels the request of the link.
+    # After a manual change, the page no longer shows what the link requested.
+    assert "This link" not in browser.run(NOTICE)
 
 
 def test_what_a_link_asks_is_named_once_if_webassembly_is_refused(pages, browser, tmp_path):
@@ -332,7 +342,7 @@ def test_what_a_link_asks_is_named_once_if_webassembly_is_refused(pages, browser
     assert said.startswith("Your browser or this website blocks WebAssembly.")
     assert said.endswith(
         "This link asks for n = 9 (here 4), with = steel, which this page cannot do."
-    )  # a = 0.1 is the value of the scene.
+    )  # The message does not mention a = 0.1, because the scene already has this value.
     assert browser.run("part('title').textContent") == "One bead on four"
     browser.run(SET.format("language", "de", "change"))
     assert "n = 9 (hier 4), with = steel" in browser.run(NOTICE)
@@ -510,7 +520,7 @@ def test_every_control_of_the_dialog_has_its_role_and_name_and_is_reached_by_key
     live.until("part('share').open")
     live.run("part('csv').open = true")
     found = [(role, name) for role, name, _ in tree(live) if role in (*ROLES, "textbox")]
-    assert sorted(found) == sorted(DIALOG)  # Nothing else can be reached while the dialog is open.
+    assert sorted(found) == sorted(DIALOG)  # While the dialog is open, only its own controls can be reached.
     reached = [live.run("document.activeElement.id")]
     for _ in range(len(DIALOG) - 1):
         live.key("Tab")

@@ -1,5 +1,6 @@
-"""Tests of the page in a real browser: throwing beads by mouse, touch and keys, rewinding, comparing, links, and no
-errors.
+"""Tests of the web page in a real browser, which must report no errors.
+
+They check throwing beads with mouse, touch and keys, rewinding the motion, comparing two rows of beads, and links.
 """
 
 import re
@@ -57,7 +58,7 @@ COVERED = """(() => [...document.querySelectorAll('button, input, select, summar
 }))()"""
 CHART = """(() => { const {canvas} = page.charts[0], {width, height} = canvas;
   return Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data); })()"""
-# Record the boxes of texts and thin lines that are drawn together with the beads from now on.
+# Script that records the boxes of the texts and thin lines that are drawn together with the beads.
 SPY = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText, box = pen.fillRect;
   const staged = (found) => page.stages.some(({pen, layer}) => found === pen || found === layer);
@@ -73,7 +74,7 @@ SPY = """(() => {
     box.call(this, x, y, wide, high);
   };
 })()"""
-# True if all curves are inside their charts.
+# Expression that is true if all curves are inside their charts.
 INSIDE = """page.charts.every(({lane, channel, low, high}) => {
   const count = page.source.values(lane)[channel].length, found = [];
   page.source.trace(lane, channel, 400, -Infinity, (_, values, at) => found.push(...values.slice(at, at + count)));
@@ -82,14 +83,14 @@ INSIDE = """page.charts.every(({lane, channel, low, high}) => {
 
 
 def seen(browser, folder):
-    """Return the colours that the browser shows, (height, width, 3)."""
+    """Return the colours of a screenshot as an array of shape (height, width, 3)."""
     browser.picture(folder / "page.png")
     with Image.open(folder / "page.png") as opened:
         return np.asarray(opened.convert("RGB"), dtype=int)
 
 
 def test_the_browser_reports_mistakes(process, tmp_path):
-    """Check that errors of a page are found, so that every test of this file can fail."""
+    """Check that the test browser reports errors of a page. Otherwise the tests of this file could not fail."""
     (tmp_path / "bad.html").write_text("<!doctype html><link rel=icon href='data:,'><script>nothing.there()</script>")
     process.fresh()
     process.open(tmp_path / "bad.html")
@@ -98,8 +99,10 @@ def test_the_browser_reports_mistakes(process, tmp_path):
 
 @pytest.mark.parametrize(("fragment", "name", "apart"), [("", SCENE, 5e-3), ("#n=5&m=3&a=0.05", "three-on-five", 0.02)])
 def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
-    """Compare with `simulate`. With 64 steps per contact, velocities are accurate to a few thousandths. Energy and
-    momentum are exact up to round-off.
+    """Compare the final velocities on the page with the result of `simulate`.
+
+    With 64 steps per contact, the velocities are accurate to a few thousandths. Energy and momentum are exact up to
+    round-off.
     """
     browser.visit(pages(SCENE).output, fragment)
     (lane,) = scenes.load(name).lanes
@@ -132,7 +135,8 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
     stopped = (
         "page.go(page.source.last), [page.playing, page.toggle(), page.playing, page.source.time < page.source.last]"
     )
-    assert browser.run(stopped) == [True, None, False, True]  # It is advancing frame by frame.
+    # The page is still playing and has not reached the end of the motion.
+    assert browser.run(stopped) == [True, None, False, True]
     run_to_the_end(browser)
     if "duration" in row:
         assert followed < browser.run("page.source.time") == pytest.approx(6.0, abs=0.01)
@@ -145,8 +149,10 @@ def test_a_run_too_long_to_be_followed_goes_on_to_its_end(browser, tmp_path, row
 
 
 def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path):
-    """Check a long motion. Only 60 s are computed in advance, and the ground was at most four times as long as the
-    distance in this time.
+    """Check that the beads stay above the ground during a long motion.
+
+    The page computes only 60 s in advance. The drawn ground was once at most four times as long as the distance covered
+    in 60 s.
     """
     visit_row(browser, tmp_path, 200.0, velocity=[0, 0], drive=[1, 1])
     run_to_the_end(browser)
@@ -160,8 +166,9 @@ def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path
     ("row", "last"),
     [
         ({"velocity": [0, 0, 0], "gap": [0.5, 0], "drive": [1, 0, 0], "duration": 5.0}, 5.0),
-        ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),  # Released, and apart after 0.69 s.
-        ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # At rest after 2.36 s.
+        # The beads are pressed together and released. They separate after 0.69 s.
+        ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),
+        ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # All beads are at rest after 2.36 s.
     ],
 )
 def test_a_run_is_followed_until_nothing_moves_any_more(browser, tmp_path, row, last):
@@ -175,7 +182,8 @@ def test_a_moving_wall_on_a_bed_hits_again(browser, tmp_path, duration, fragment
     visit_row(browser, tmp_path, duration, fragment, mass=[inf, 1], velocity=[2, 1], friction=friction)
     run_to_the_end(browser)
     assert browser.run("page.source.time") > 9.9
-    assert browser.run("page.source.rows[0].velocity[1]") < 2.0  # It moves at 2.7 m/s after 4.3 s.
+    # Bead 1 has a velocity of 2.7 m/s after 4.3 s and is slower at the end.
+    assert browser.run("page.source.rows[0].velocity[1]") < 2.0
     assert browser.run("document.getElementById('words').className") == ""
 
 
@@ -235,19 +243,19 @@ def test_a_bead_is_thrown_by_mouse_and_finger(pages, browser, device, bead, pull
     pointer(up, x + 11 * pull * size, y)
     assert browser.run("page.source.hand") is None
     browser.run("page.pause()")
-    assert (velocities(browser).sum() - 1.0) * pull > 0.0  # The momentum has the direction of the pull.
+    assert (velocities(browser).sum() - 1.0) * pull > 0.0  # The change of momentum has the same sign as the pull.
     assert browser.run("page.source.rows[0].given") != 0.0
     assert browser.run("scrollY") == 0
     if device == "telephone":
         browser.swipe((195.0, 160.0), (195.0, 20.0))
-        browser.until("scrollY > 50")  # A finger that moves up next to the beads scrolls the page.
+        browser.until("scrollY > 50")  # A swipe that starts next to the beads scrolls the page.
 
 
 def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
     hold_the_clock(live)
     live.run("page.stages[0].canvas.focus()")
     for _ in range(3):
-        live.key("ArrowRight")  # The first key press selects bead 0.
+        live.key("ArrowRight")  # The first press of the arrow key selects bead 0.
     assert live.run("document.getElementById('said').textContent").startswith("bead 2, ")
     live.key("Enter")
     chosen, held, before = live.run("[page.chosen.bead, page.source.hand.bead, page.source.hand.place]")
@@ -261,7 +269,8 @@ def test_a_bead_is_chosen_pulled_and_thrown_by_keys(live):
     live.run("page.again(), page.pause()")
     live.key("ArrowLeft", shift=True)
     live.run("page.pause()")
-    assert live.run("page.source.rows[0].given") == pytest.approx(0.5)  # A mass of 1 kg is thrown at 1 m/s.
+    # The thrown bead has a mass of 1 kg and gets a velocity of 1 m/s.
+    assert live.run("page.source.rows[0].given") == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(("mass", "chosen"), [([1, 1, inf], [0, 1, 1, 0, 0]), ([inf, 1, inf, 1], [1, 3, 3, 1, 1])])
@@ -278,7 +287,7 @@ def test_no_key_takes_a_wall(browser, tmp_path, mass, chosen):
 def test_the_energy_given_by_hand_is_shown_separately(pages, browser, tmp_path):
     browser.visit(pages("steel-and-soft").output, "")
     browser.run("page.pause(), page.go(0.9), page.chosen = {lane: 1, bead: 3}, page.throwChosen(1), page.pause()")
-    steel, soft = browser.run(LEDGER).split("\n")  # One line per row.
+    steel, soft = browser.run(LEDGER).split("\n")  # The energy balance has one line of text for each row of beads.
     assert re.fullmatch(r"steel balls: Total energy 0\.5 J · .*made up", steel)
     assert re.fullmatch(r"soft beads, .*: Total energy 1 J .* · you added 0\.5 J", soft)
     visit_row(browser, tmp_path, duration=5.0, velocity=[0, 0, 0], gap=[0.5, 0], drive=[1, 0, 0])
@@ -303,7 +312,8 @@ def test_a_bead_in_hand_stays_there_when_the_pace_changes(pages, browser):
     browser.run("page.pause(), page.grab(0, 2, null), page.pause(), page.source.hand.place += 0.2")
     browser.run(SET.format("pace", 4, "change"))
     browser.run("page.pause(); for (let k = 0; k < 300; k++) page.source.next()")
-    assert np.abs(velocities(browser)).max() < 4.0  # The hand can give at most twice the closing speed of 1 m/s.
+    # The pointer can accelerate a bead at most to twice the closing speed, which is 1 m/s.
+    assert np.abs(velocities(browser)).max() < 4.0
 
 
 def test_energy_is_balanced_wherever_soft_contacts_stand_in_the_row(browser, tmp_path):
@@ -320,10 +330,11 @@ def test_edited_rows_restart_with_their_edits(pages, browser, name, fragment):
     browser.visit(pages(name).output, fragment)
     laws = "page.source.rows.map(({kernel}) => [...kernel.law, ...kernel.loss, ...kernel.bed])"
     before = browser.run(f"page.pause(), page.go(1.9), {laws}")
-    assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1  # The beads touch.
+    # The test needs beads that are pressed together when the edit is made.
+    assert max(browser.run("page.source.rows.map((row) => row.stored(0))")) > 0.1
     browser.run("page.edit('alpha', 0.5), page.edit('loss', 0.5), page.edit('friction', 0.01), page.pause()")
     edited = browser.run(laws)
-    assert error(browser) < BOOKED  # The energy of the restarted rows is also balanced.
+    assert error(browser) < BOOKED  # After the restart, the energy is still balanced in all rows of beads.
     assert edited == browser.run(f"page.restart(), {laws}") != before
 
 
@@ -350,7 +361,8 @@ def test_a_change_starts_the_run_again_with_the_previous_one_as_a_ghost(live, pa
         assert min(live.run("page.charts.map(({ghost}) => ghost.length)")) > 50
         live.run("page.pause(), window.kept = page.ghosts")
         live.run(SET.format(name, place - 1, "input"))
-        assert live.run("page.pause(), page.ghosts === kept")  # A run that has just begun leaves no ghost.
+        # A simulation that has just started does not replace the previous curves shown for comparison.
+        assert live.run("page.pause(), page.ghosts === kept")
     drawn = np.array(live.run(f"page.dress(), {CHART}"))
     assert (drawn != np.array(live.run(f"page.ghosts = [], page.dress(), {CHART}"))).sum() > 1000
     browser.visit(pages("one-on-ten").output, "#n=5")
@@ -401,7 +413,7 @@ def test_a_row_is_compared_with_rows_of_other_contacts_only(pages, browser, name
             "[page.looks.map(({label}) => label), page.stages.map(({view}) => (view.ground - view.base) / view.size)]"
         )
         assert labels[0] != labels[1]
-        assert min(rooms) > 0.66  # The tallest bodies end below the axis of forces.
+        assert min(rooms) > 0.66  # Even the tallest beads and wagons end below the axis of the forces.
     browser.run("page.edit('beside', 'gear'), page.edit('law', 'gear'), page.pause()")
     assert browser.run("page.experiment.beside") != "gear"
 
@@ -415,9 +427,9 @@ def test_rewinding_a_page_gives_bitwise_the_same_motion(live):
     run_to_the_end(live)
     assert live.run(state) == kept
     live.run("page.go(1.5), page.chosen = {lane: 0, bead: 4}, page.throwChosen(-1), page.pause()")
-    assert live.run("page.source.last") < 2.0  # The motion after an edit is another motion.
+    assert live.run("page.source.last") < 2.0  # The edited motion ends earlier than the original one.
     live.run("page.source.apartFor = -1e9; for (let k = 0; k < 9000; k++) page.source.next()")
-    assert live.run("page.source.count - page.source.first") == 3600  # Number of stored states, which is limited.
+    assert live.run("page.source.count - page.source.first") == 3600  # The number of stored states is limited to 3600.
     assert live.run("page.go(-1e9), page.source.time === page.source.begun")
 
 
@@ -429,13 +441,15 @@ def test_a_chart_drawn_in_pieces_equals_a_chart_drawn_at_once(live, edit):
     live.run("for (let k = 0; k < 150; k++) { page.source.next(); page.source.next(); page.show(false); }")
     grown = np.array(live.run(CHART))
     live.run("page.dress()")
-    assert (np.abs(grown - live.run(CHART)) > 64).mean() < 0.004  # Differences where pieces of curves are joined.
+    # A few pixels may differ at the joints between two pieces of a curve.
+    assert (np.abs(grown - live.run(CHART)) > 64).mean() < 0.004
     assert (grown > 0).mean() > 0.02
 
 
 def test_a_frame_changes_only_canvases(pages, browser):
-    """Check that a frame changes nothing that makes the browser compute the layout again. Captions, axes and the ground
-    stay.
+    """Check that drawing a frame changes only canvases, so the browser does not compute the layout again.
+
+    Captions, axes and the ground are not drawn again.
     """
     browser.visit(pages(SCENE).output, "#with=none&t=1.5")
     browser.run(SPY)
@@ -536,7 +550,8 @@ def test_a_softness_without_meaning_is_ignored(pages, browser):
 
 def test_a_recorded_page_offers_only_what_can_be_changed(pages, browser):
     browser.visit(pages("train-solid").output, "#t=0&pace=0.25&show=charts&mu=0.1&with=steel&lang=en")
-    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]  # The wagons of this scene touch.
+    # The motion begins at t = 0, because the wagons of this scene touch at the start.
+    assert browser.run("[page.source.begun, page.source.time]") == [0, 0]
     experiment, own = browser.run("[page.experiment, page.own]")
     assert experiment == own | {"pace": 0.25, "shown": ["charts"]}
     browser.run("page.edit('pace', 0.5)")
@@ -581,7 +596,8 @@ def test_a_recorded_motion_is_shown_as_it_was(browser, tmp_path, own):
     run_to_the_end(browser)
     assert browser.run(SAID).startswith("Bead 0 moves left at 0.098 m/s. " if own else ENDED)
     assert browser.run("page.looks[0].marks")
-    for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):  # These samples do not include the start.
+    # The samples [1.0, 2.0] do not include the start of the motion.
+    for samples, start in ([0.0, 2.0], "1.000"), ([1.0, 2.0], "-"):
         simulate(chain, scene.lanes[0].velocity, samples=samples).to_page(tmp_path / "page.html")
         browser.visit(tmp_path / "page.html", "#show=nothing")
         browser.run("part('numbers').open = true, page.show(true)")
@@ -617,14 +633,15 @@ def test_it_fits(pages, browser, width, fragment):
     browser.visit(pages("draft-gear-two-on-two").output, "#with=steel&lang=de")
     assert browser.run(
         "page.stages.every(({view}) => view.barRoom > 17)"
-    )  # The forces have room between captions and beads.
+    )  # The bars that show forces have enough room between the captions and the beads.
     browser.visit(pages(SCENE).output, fragment)
     assert browser.run(FITS)
     # The Play button is visible without scrolling.
     assert browser.run("document.getElementById('toggle').getBoundingClientRect().bottom") <= 844
     for name, free, height in browser.run(COVERED):
         assert free, name
-        assert height >= 24.0, name  # WCAG 2.2, target size.
+        # The accessibility guideline WCAG 2.2 requires a target size of at least 24 pixels.
+        assert height >= 24.0, name
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -638,9 +655,9 @@ def test_the_page_is_drawn_accessibly(pages, browser, tmp_path, device, scheme):
     assert (ground > 230).all() if scheme == "light" else (ground < 40).all()
     beads = browser.run("[0, 1, 2, 3, 4].map((k) => page.theme.bead(k))")
     areas = [(np.abs(picture - ImageColor.getrgb(bead)).max(axis=2) < 3).sum() for bead in beads]
-    assert min(areas) > 100  # Each bead has a part of the bars.
+    assert min(areas) > 100  # The colour of each bead fills more than 100 pixels.
     style = "getComputedStyle(document.documentElement).getPropertyValue('--{}').trim()"
-    # Text colour and background colour of the style sheet. Texts of canvases and SVG have the same colours.
+    # Names of text colours and background colours in the style sheet. Canvases and SVG pictures use the same colours.
     for pair in ("ink", "paper"), ("muted", "paper"), ("ink", "card"), ("muted", "card"), ("alarm", "paper"):
         colours = [ImageColor.getrgb(browser.run(style.format(name))) for name in pair]
         assert contrast(*colours) >= 4.5, pair
@@ -661,7 +678,10 @@ def covering(one, other):
 @pytest.mark.parametrize("name", ["one-on-four", "one-on-ten", "three-on-five", TRAIN, "train-starting"])
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_no_text_of_the_drawing_covers_another_or_leaves_it(pages, browser, name, width, language):
-    """Check overlaps of texts. Bead numbers are left out because they move across each other with the beads."""
+    """Check that no text in the drawing overlaps another text or leaves the drawing.
+
+    The numbers of the beads are left out, because they move across each other together with the beads.
+    """
     browser.device(width, 844)
     browser.visit(pages(name).output, f"#t=0&with=none&lang={language}")
     browser.run(SPY)
@@ -707,7 +727,7 @@ def test_beads_smaller_than_a_pixel_are_drawn(browser, tmp_path):
 
 
 def test_it_lives_in_a_frame_that_may_do_nothing_else(browser, tmp_path, monkeypatch):
-    """Check a notebook cell. It has neither an address nor a clipboard nor storage."""
+    """Check the page inside the cell of a notebook. Such a page has no address, no clipboard and no storage."""
     monkeypatch.setitem(sys.modules, "anywidget", None)  # Without it the cell is a frame with the page.
     monkeypatch.delitem(sys.modules, "softcradle.sandbox.notebook.live_widget", raising=False)
     cell = scenes.load(SCENE).live()._repr_html_()

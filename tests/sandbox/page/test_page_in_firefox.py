@@ -1,4 +1,7 @@
-"""Tests of the page in Firefox, if it is installed: it computes and draws on a desktop and on a phone, without errors."""
+"""Tests of the web page in Firefox. They are skipped if Firefox is not installed.
+
+The page must compute and draw the motion without errors, at the size of a desktop screen and of a phone.
+"""
 
 import json
 import os
@@ -13,13 +16,14 @@ from softcradle import scenes, simulate
 
 FIREFOX = next((path for name in ("firefox", "firefox-esr") if (path := shutil.which(name))), None)
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(FIREFOX is None, reason="there is no Firefox")]
-# Disable animations, and print the console messages of the page.
+# Firefox settings that disable animations and print the console messages of the page.
 SETTINGS = """
 user_pref("ui.prefersReducedMotion", 1);
 user_pref("ui.systemUsesDarkTheme", %d);
 user_pref("devtools.console.stdout.content", true);
 """
-# Report if kernels run, the final state, and the number of drawn pixels in the colour of each bead.
+# Script that reports if the compiled kernels run, and the final state of the beads. It also counts the drawn pixels in
+# the colour of each bead.
 LOOK = """<script>
 window.addEventListener('error', (event) => console.log('FOUND ' + JSON.stringify({thrown: String(event.error)})));
 started.then((page) => {
@@ -40,7 +44,7 @@ started.then((page) => {
 
 
 @pytest.mark.parametrize("dark", [0, 1], ids=["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 800), (500, 844)])  # Firefox cannot open a narrower window.
+@pytest.mark.parametrize("size", [(1280, 800), (500, 844)])  # A window of Firefox cannot be narrower than 500 pixels.
 def test_it_computes_and_draws(pages, tmp_path, size, dark):
     profile, page = tmp_path / "profile", tmp_path / "page.html"
     profile.mkdir()

@@ -1,4 +1,7 @@
-"""Tests of sharing and handing in: links, QR codes, embedded pages, tables, pictures, and messages of a host."""
+"""Tests of sharing a web page by links, QR codes, embedded frames, tables and pictures.
+
+They also check the messages between an embedded page and the website that contains it.
+"""
 
 import base64
 import csv
@@ -24,7 +27,8 @@ from tools.browser import found
 NODE = shutil.which("node")
 slow = [pytest.mark.slow, pytest.mark.skipif(found() is None, reason="there is no browser")]
 LINK = "https://example.org/softcradle/one-on-four.html#n=9&a=0.05&with=steel&"
-# Digests of QR codes of the first characters of LINK, repeated, by the Python package qrcode 8.2: length, mask, digest.
+# Expected QR codes, computed with the Python package qrcode 8.2. Each entry contains the length of a text, the mask
+# number and a digest of the code. The text is the beginning of LINK, which is repeated if necessary.
 CODES = [
     (1, 3, "108d4f288f95ce68"),
     (14, 0, "f73768ff3fdee3d8"),
@@ -43,7 +47,7 @@ FIELD = "part('{}').value"
 
 @pytest.fixture
 def served(pages, process):
-    """Open the page of one bead on four from a web server, and return the browser and the address."""
+    """Open the page of the scene "one-on-four" from a local web server, and return the browser and the address."""
     page = pages(SCENE).output
     handler = partial(http.server.SimpleHTTPRequestHandler, directory=page.parent)
     handler.log_message = lambda *_: None
@@ -100,7 +104,7 @@ class TestInABrowser:
         browser.run("part('copy-link').click()")
         assert browser.until("window.copied") == f"{address}#n=2"
         browser.run("Object.defineProperty(navigator, 'clipboard', {value: undefined}), part('copy-code').click()")
-        # Without a clipboard the text is selected, so that it can be copied by hand.
+        # Without a clipboard, the page selects the text. The user can then copy it manually.
         assert browser.until("document.activeElement.id === 'share-code' && part('share-code').selectionEnd") == len(
             code
         )
@@ -118,7 +122,8 @@ class TestInABrowser:
         browser.run(SET.format("beside", "gear", "change"))
         experiment = browser.run("part('link').click(), page.experiment")
         link = browser.run(FIELD.format("share-link"))
-        assert link.startswith("#")  # The path of the file on this device is useless to other people.
+        # The link does not contain the local path of the file, because other people cannot use it.
+        assert link.startswith("#")
         assert link in browser.run("part('share-note').textContent")
         browser.visit(pages(SCENE).output, link)
         opened = browser.run("page.experiment")
@@ -174,7 +179,8 @@ class TestInABrowser:
             pixels = np.asarray(picture.convert("RGB"), dtype=int)
         assert pixels.shape[0] > browser.run("page.stages.reduce((sum, {canvas}) => sum + canvas.height, 0)")
         assert (pixels[2, 2] > 200).all() if scheme == "light" else (pixels[2, 2] < 60).all()
-        assert (np.abs(pixels[:60] - pixels[2, 2]).max(axis=2) > 100).sum() > 500  # title and verdict
+        # The top of the picture contains the title and the verdict in a contrasting colour.
+        assert (np.abs(pixels[:60] - pixels[2, 2]).max(axis=2) > 100).sum() > 500
 
     def test_a_recorded_page_is_shared_and_handed_in_as_well(self, pages, browser):
         browser.visit(pages("train-solid").output, "")
@@ -202,7 +208,7 @@ class TestInABrowser:
         assert browser.run(shown) == expected
         assert browser.run("page.stages[0].canvas.getBoundingClientRect().bottom") < size[1]
         bar = browser.run("part('transport').offsetHeight")
-        assert bar <= (60 if size[1] < 560 else 110)  # One line in a small frame.
+        assert bar <= (60 if size[1] < 560 else 110)  # In a low frame, the toolbar has only one line.
         browser.run("part('full').addEventListener('click', (event) => event.preventDefault()), part('full').click()")
         assert browser.run("part('full').href").endswith("page.html#n=6") or browser.run("part('full').href").endswith(
             "#n=6"

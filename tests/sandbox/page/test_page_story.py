@@ -1,4 +1,7 @@
-"""Tests of the idea of a page: a question with answers, the verdict, and the explanation at the largest force."""
+"""Tests of the question that a web page asks before the motion.
+
+They check the possible answers, the verdict after the motion, and the explanation at the moment of the largest force.
+"""
 
 import numpy as np
 import pytest
@@ -19,13 +22,13 @@ SOFT_WHY = (
 )
 STEEL_WHY = "the contacts push with 1, 1/9, 0 and 0 of the force. So the push runs along the row as a wave."
 SCREENS = [(390, 664), (844, 390), (1280, 800), (1024, 600), (1920, 1080)]
-# Boxes of the sentences and of the pictures of all rows, which must be in the first screen.
+# Script that returns the boxes of the sentences and of the pictures. All boxes must be visible without scrolling.
 BOXES = """[part('lead'), ...page.stages.map(({canvas}) => canvas)].map((one) => one.getBoundingClientRect())
   .map(({left, top, right, bottom}) => [left, top, right, bottom])"""
 
 
 def text(words):
-    """Return a text with ordinary spaces."""
+    """Return the text with each no-break space replaced by an ordinary space."""
     return words.replace("\N{NO-BREAK SPACE}", " ")
 
 
@@ -41,7 +44,8 @@ def test_a_tap_answers_the_question_and_the_end_gives_the_verdict(pages, browser
     assert browser.run(f"[page.playing, part('guesses').offsetParent, {LEAD}]") == [True, None, ASKED]
     run_to_the_end(browser)
     assert browser.run(LEAD) == opinion + BLOCK
-    assert browser.run("page.go(1), part('explain').offsetParent !== null")  # The verdict stays while one rewinds.
+    # The verdict stays visible when the motion is rewound.
+    assert browser.run("page.go(1), part('explain').offsetParent !== null")
     browser.run("page.edit('alpha', 1.5), page.pause()")
     assert browser.run("part('explain').hidden")
     browser.run("page.edit('alpha', 0.1), page.next = Page.prototype.next")
@@ -86,13 +90,13 @@ def test_why_stops_each_row_at_its_own_largest_force_and_explains_it(pages, brow
     times, axes = browser.run("[page.peaks.map(({time}) => time), page.stages.map(({view}) => view.force)]")
     tops = browser.run("page.peaks.map(({force}) => Math.max(...force))")
     assert times[0] - times[1] > 0.5
-    np.testing.assert_allclose(np.divide(axes, tops), 1.12)  # Each row has its own scale.
+    np.testing.assert_allclose(np.divide(axes, tops), 1.12)  # Each row of beads has its own scale of forces.
     assert browser.run("page.stages.map(({view}) => view.loupeFit.contacts)") == [[0, 1, 2, 3]] * 2
     assert browser.run("page.source.time") == pytest.approx(times[0], abs=0.02)
     browser.run("part('explain').click()")
     assert browser.run(f"[page.peaks, {LEAD}]") == [None, BLOCK]
     browser.run("part('explain').click(), part('toggle').click(), page.pause()")
-    assert browser.run("page.peaks") is None  # Play goes on from the largest force.
+    assert browser.run("page.peaks") is None  # The motion continues from the moment of the largest force.
     assert browser.run("page.source.time") == pytest.approx(times[0], abs=0.2)
 
 
@@ -135,7 +139,8 @@ def test_the_explanation_fits_into_the_first_screen(pages, browser, size, langua
         assert 0 <= top < bottom <= size[1]
     play = browser.run("(({top, bottom}) => [top, bottom])(part('toggle').getBoundingClientRect())")
     assert play[1] <= size[1]
-    assert max(bottom for _, _, _, bottom in boxes[1:]) <= play[0] + 1  # No bar lies on the magnifiers.
+    # The toolbar with the Play button does not cover the magnified contacts.
+    assert max(bottom for _, _, _, bottom in boxes[1:]) <= play[0] + 1
     assert browser.run("page.stages.every(({view}) => view.loupeFit.contacts.length === 4)")
 
 

@@ -1,4 +1,7 @@
-"""Tests of the page as a file: it plays a recorded motion and loads nothing, and a failed write leaves no file."""
+"""Tests of the web page as a file. The page plays a recorded motion and loads no other files.
+
+A failed attempt to write the page must leave no file.
+"""
 
 import base64
 import gzip
@@ -33,7 +36,7 @@ SCENES = ("one-on-four", "galilean", "draft-gear-two-on-two", "hertz-cradle", "m
 def test_a_live_page_is_small_and_loads_nothing(pages, name):
     report = pages(name)
     assert report.computed
-    assert report.size == report.output.stat().st_size < 150_000  # Size in bytes.
+    assert report.size == report.output.stat().st_size < 150_000  # The limit of the file size is 150 000 bytes.
     assert len(gzip.compress(report.output.read_bytes())) < 65_000
     text = report.output.read_text(encoding="utf-8")
     checker = TagChecker(text)
@@ -142,8 +145,9 @@ def played(name):
 
 
 def unpacked(packed, scales, beads):
-    """Return time, anchor position, energies, overlaps, velocities and forces of a lane, decoded like in the script of
-    the page.
+    """Return the decoded samples of one row of beads: time, anchor position, energies, overlaps, velocities and forces.
+
+    The samples are decoded in the same way as in the script of the page.
     """
     data, rows = base64.b64decode(packed["data"]), packed["rows"]
     split = 4 * rows * (beads + 3)
@@ -159,7 +163,8 @@ def unpacked(packed, scales, beads):
 def test_packed_samples_follow_the_recorded_motion(name):
     motion = played(name)
     scales = motion.scales
-    smallest = 10.0 ** (scales.decades[0] - 1)  # A tenth of the lower end of the axis of overlaps.
+    # Absolute tolerance of overlaps: a tenth of the lower end of their axis.
+    smallest = 10.0 ** (scales.decades[0] - 1)
     for found, packed in zip(motion.motions, packed_lanes(motion.motions, scales, USUAL_BYTES), strict=True):
         time, anchor, energies, overlap, velocity, force = unpacked(packed, scales, found.chain.contacts + 1)
         absorbed = found.absorbed if found.absorbed.size else np.zeros(found.time.size)
@@ -173,14 +178,15 @@ def test_packed_samples_follow_the_recorded_motion(name):
             for column, curve in zip(read.T, true.T, strict=True):
                 apart = np.abs(np.interp(found.time, time, column) - curve)
                 jumps = np.flatnonzero(np.abs(np.diff(curve)) > 5 * error)
-                # A step lies between two times that are equal as floats of the page.
+                # Samples near a step are left out. The two samples of a step can have the same time after rounding to
+                # 32-bit floats.
                 near_jump = np.abs(found.time[:, None] - found.time[jumps]).min(axis=1, initial=1e9)
                 assert apart[near_jump > 1e-6 * found.time[-1]].max() < 1.2 * error
         for read, true in zip(overlap.T, found.overlap.T, strict=True):
             deep = true > 1e-3 * true.max()
             lines = np.interp(found.time[deep], time, read)
             np.testing.assert_allclose(lines, true[deep], rtol=2 * SAME_DEPTH, atol=smallest)
-        # Even with few digits, a bead at rest must not creep.
+        # A bead at rest must not creep because of rounded velocities.
         assert (velocity[0, found.velocity[0] == 0.0] == 0.0).all()
         assert (force[0, found.force[0] == 0.0] == 0.0).all()
         assert len(time) < len(found.time) / 2
@@ -214,7 +220,10 @@ def test_lanes_begin_at_the_last_edit_of_all():
 
 @pytest.mark.parametrize("edits", [(), (inputs.SetVelocity(0, 4, 1.5),), (inputs.Drag(0, 4, 6.0), inputs.Drop())])
 def test_the_page_of_a_row_that_a_hand_has_moved_says_so(tmp_path, edits):
-    """Check that a moved row is marked as driven, because the comparison with two rigid bodies does not apply to it."""
+    """Check that a chain is marked as driven if a bead was moved by hand.
+
+    The comparison with the collision of two rigid bodies does not apply to such a chain.
+    """
     session = opened(frames=20)
     for edit in edits:
         session.apply(edit)
@@ -247,7 +256,10 @@ def test_thinned_curves_keep_their_jumps():
 
 
 def test_rows_at_one_time_are_kept():
-    """Check a force that steps. It has a sample before and a sample after the step, and both can have the same time."""
+    """Check that two samples at the same time are kept.
+
+    A force with a step has one sample before the step and one after it. Both samples can have the same time.
+    """
     time = np.array([0.0, 0.5, 0.5, 0.5, 1.0])
     values = np.array([[0.0], [0.0], [1.0], [3.0], [3.0]])
     assert needed_rows(time, values, np.full((5, 1), 1e-6)).tolist() == [0, 1, 2, 3, 4]
