@@ -1,5 +1,6 @@
-"""Tests of tables of measurements: exports of ten programs are read with their units, and errors name their line and
-column.
+"""Tests of reading tables of measurements. Exported files of ten programs must be read with their units.
+
+An error message must name the line and the column of the error.
 """
 
 import numpy as np
@@ -80,7 +81,8 @@ BLANKS = """ t (s)   F (N)
  0.002   -
 """
 NAN = np.nan
-# Text, encoding, times [s], and (name, quantity, axis, values in SI units) of each column.
+# Expected contents for each format: the text, its encoding and the times [s]. Each column has its name, quantity, axis
+# and values in SI units.
 FORMATS = {
     "Tracker": (TRACKER, "utf-8", [0, 0.03333333, 0.06666667], [
         ("x", "position", "x", [0.01, 0.04, 0.07]), ("y", "position", "y", [0.5, 0.5, 0.5]),

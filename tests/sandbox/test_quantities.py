@@ -1,4 +1,4 @@
-"""Tests of the table of quantities: headings, axes and units everywhere use the same names and units."""
+"""Tests of the table of physical quantities. All headings and axes must use its names and units."""
 
 import re
 
@@ -15,7 +15,8 @@ from softcradle.sandbox.window.plots.kinds import signal_of
 from tests.helpers.sessions import opened
 
 TABLE = (*QUANTITIES.values(), MASS)
-# Words of a heading that identify its quantity. If there are two, the last one counts: "momentum of force" is a force.
+# Words by which the quantity of a heading is recognised. If a heading contains two of them, the last one counts. For
+# example, "momentum of force" is a force.
 WORDS = {"mass": MASS, "time": TIME, "position": POSITION, "velocity": VELOCITY, "velocities": VELOCITY, "overlap": OVERLAP,
          "force": FORCE, "forces": FORCE, "momentum": MOMENTUM, "energy": KINETIC}  # fmt: skip
 HEADING = re.compile(r"([A-Za-z _]+)[\d-]* [\[(]([^\])]*)[\])]")
@@ -37,9 +38,10 @@ def test_headings_have_the_units_of_the_quantities(tmp_path):
         name, unit = HEADING.search(heading).groups()
         exact = [one for one in TABLE if one.name == name]
         owners = exact or [WORDS[word] for word in re.findall("[a-z]+", name.lower()) if word in WORDS]
-        if owners and unit not in [prefix + owners[-1].unit for prefix in ("", "k", "M")]:  # kN is also correct.
+        # Units with a prefix, such as kN, are also correct.
+        if owners and unit not in [prefix + owners[-1].unit for prefix in ("", "k", "M")]:
             wrong.append(heading)
-    assert wrong == ["velocity (m)"]  # This wrong heading must be found.
+    assert wrong == ["velocity (m)"]  # Only the deliberately wrong heading "velocity (m)" is reported.
 
 
 def test_the_table_of_values_and_signals_are_the_table():

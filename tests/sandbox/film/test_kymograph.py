@@ -46,7 +46,7 @@ def test_frames_and_trajectory_agree_to_a_pixel(scene, rate, number):
     # Only the markers on the beads are darker than this limit.
     for black, where in zip(frames.sum(axis=2, dtype=int) < 60, places, strict=True):
         found = np.flatnonzero(np.diff(black, prepend=False, append=False)).reshape(-1, 2).mean(axis=1)
-        assert len(found) == len(where) == marked  # Every bead has one marker, and walls have no marker.
+        assert len(found) == len(where) == marked  # Every bead has one marker, and walls are not marked.
         assert np.abs(found - where).max() <= 1.0
 
 

@@ -68,7 +68,7 @@ def sources(folder):
 
 
 def raised_texts(path, tree):
-    """Yield the source line of each error that the window can show and whose text has no error code."""
+    """Yield the source line of each error that the window can show and whose text lacks an error code."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and name_of(node.exc) in SHOWN:
             arguments = node.exc.args[:1]

@@ -11,7 +11,7 @@ from softcradle import scenes
 from tools.browser import Browser
 from tools.browser import found as chromium
 
-# Web page with a model like the one that anywidget passes to a script. The list `sent` contains the states that the
+# Web page with a model that imitates the model of anywidget. The list `sent` contains the states that the
 # model would send to Python.
 MODEL = """<!doctype html><title>notebook</title><link rel="icon" href="data:,"><div id="cell"></div><script>
 const values = {text: %s, height: 500}, sent = [], listeners = [];

@@ -1,4 +1,8 @@
-"""Tests of any edits in any order: no exception, no NaN, bounded memory, a correct energy balance, reproducible digits."""
+"""Tests of arbitrary edits in arbitrary order.
+
+After each edit there must be no exception and no NaN. Memory must be bounded, the energy balance must be correct, and a
+replay must be bitwise equal.
+"""
 
 from dataclasses import replace
 
@@ -11,7 +15,8 @@ from softcradle.sandbox.session.session import Session
 from softcradle import scenes
 from tests.helpers.sessions import INPUTS, check_invariants, check_replay, fitted, opened, picture, read_all
 
-# One row, two lanes, drives, mixed laws, couplers with friction and brakes, and beads pressed from the start.
+# The scenes cover single rows and pairs of rows of beads, external forces and different contact laws. They also cover
+# couplers with friction and brakes, and beads that are pressed together at the start.
 SCENES = st.sampled_from(
     ("one-on-four", "beads-against-gear", "driven-cluster", "mixed", "train-braking", "prestressed")
 )
@@ -38,7 +43,7 @@ def test_inputs_in_any_order_are_undone_and_redone(name, items, tmp_path_factory
         if k == 5:
             session.restart()
         session.step_frames(3)
-        session.step_frames(-1)  # The next edit drops this frame.
+        session.step_frames(-1)  # The frame that is left by this step back is dropped by the next edit.
         check_invariants(session)
     read_all(session)
     frames = sum(len(part.time) for part in session.history_slices(0, 10**6))
@@ -81,7 +86,8 @@ def test_the_scene_of_any_session_reads_back_as_its_start(name, items):
     assert labels == [lane.label for lane in again.scene.lanes] == [lane.setup.label for lane in again.lanes]
     for one, other in zip(session.lanes, again.lanes, strict=True):
         assert replace(one.chain, gap=0.0) == replace(other.chain, gap=0.0)
-        if len(labels) == 1:  # Lanes with different methods have no common method.
+        # Two rows of beads can have different methods. The method is therefore compared only for a single row.
+        if len(labels) == 1:
             assert (one.setup.method, one.setup.step_given) == (other.setup.method, other.setup.step_given)
             assert one.setup.step == other.setup.step or not one.setup.step_given
         assert np.allclose(one.state.overlap, other.state.overlap, rtol=1e-12, atol=1e-12)

@@ -1,4 +1,7 @@
-"""Tests of edits: what they change and what they must not change, where editable numbers appear, undo and redo."""
+"""Tests of edits of a running session, including undo and redo.
+
+They check which values an edit changes and which values it must not change. They also check in which tables and panels a number can be edited.
+"""
 
 import math
 import re
@@ -20,15 +23,16 @@ from tests.helpers.sessions import check_replay, opened, picture, pull
 
 PYTHON = re.compile(
     r"float64|np\.|\w+\(|[a-z]_[a-z]|\w+Error|Traceback|<|None|\bself\b|\n"
-)  # Parts of Python messages that a user must not see.
-LOADED = 280  # Number of frames after which all contacts of one on four are loaded.
+)  # Pattern of Python error messages, which a user must not see.
+LOADED = 280  # Number of frames after which all contacts of the scene "one-on-four" are loaded.
 
 
 @pytest.mark.parametrize("bead", range(5))
 def test_a_new_mass_or_velocity_of_one_bead_changes_no_other(bead):
     session = opened(frames=LOADED)
     position, velocity = session.lanes[0].position, session.lanes[0].velocity
-    session.apply(inputs.SetMass(0, bead, 50.0))  # This makes the bead the heaviest one.
+    # With this mass, the edited bead becomes the heaviest bead and therefore the anchor of the positions.
+    session.apply(inputs.SetMass(0, bead, 50.0))
     assert session.lanes[0].chain.anchor == bead
     assert session.lanes[0].position == pytest.approx(position, abs=1e-15)
     assert session.lanes[0].velocity == pytest.approx(velocity, abs=1e-15)
@@ -40,7 +44,11 @@ def test_a_new_mass_or_velocity_of_one_bead_changes_no_other(bead):
 
 
 def test_gaps_go_until_a_coupler_that_pulls_is_solid():
-    """Check the upper end of gaps. It was two lengths of a wagon, at which the stop pulled."""
+    """Check the upper limit of the gap between two wagons.
+
+    At this limit, the coupler has pulled its springs solid. In an earlier version, the limit was two lengths of a wagon. At that distance, the stop of the coupler already
+    pulled.
+    """
     ends = [parameters(Session(load(name)), 0, "contact", 2)[-1].high for name in ("train-starting", "train-shunting")]
     assert ends == pytest.approx([0.04 + 0.166, 2.0 * 14.0 + 0.04])
 
@@ -49,19 +57,21 @@ def test_a_placed_bead_pushes_its_neighbours_along():
     session = opened()
     session.drag(0, 0, 1.5)
     assert session.lanes[0].position.tolist() == [1.5] * 5
-    assert str(parameters(session, 0, "contact", 1)[-1].value) == "0.0"  # The gap of touching beads has no minus sign.
+    # The gap of two touching beads must be shown as 0.0, not as -0.0.
+    assert str(parameters(session, 0, "contact", 1)[-1].value) == "0.0"
     session.drag(0, 4, -0.5)
     assert session.lanes[0].position == pytest.approx([-0.5] * 5)
     session.drag(0, 2, -0.25)
     assert session.lanes[0].position == pytest.approx([-0.5, -0.5, -0.25, -0.25, -0.25])
     assert (session.lanes[0].state.overlap <= 0.0).all()
     walled = opened("one-on-four", inputs.SetGap(0, 3, 0.5))
-    assert walled.lanes[0].position.tolist() == [0.0, 1.0, 1.0, 1.0, 1.5]  # All beads to the right of a gap move.
+    # If a gap is widened, all beads to its right move.
+    assert walled.lanes[0].position.tolist() == [0.0, 1.0, 1.0, 1.0, 1.5]
     walled.apply(inputs.SetMass(0, 4, math.inf))
     walled.apply(inputs.Place(0, 0, 99.0))
     assert walled.lanes[0].position == pytest.approx([1.5] * 5)
     assert walled.lanes[0].state.overlap.max() <= 0.0
-    loaded = opened(frames=LOADED)  # Moving a loaded bead must not add overlap.
+    loaded = opened(frames=LOADED)  # Moving a loaded bead must not increase any overlap.
     before = loaded.lanes[0].state.overlap.copy()
     loaded.apply(inputs.Place(0, 2, loaded.lanes[0].position[2] + 0.3))
     after = loaded.lanes[0].state.overlap
@@ -154,7 +164,8 @@ def test_only_an_automatic_step_follows_edits():
     assert session.setup.lanes[0].step == 0.003
     session.apply(inputs.SetStep(0, None))
     assert session.setup.lanes[0].step > chosen
-    session.apply(inputs.SetStep(0, 1e-12))  # The cost of a frame limits the step.
+    # A step of 1e-12 s would make a frame too expensive. The session uses a larger step.
+    session.apply(inputs.SetStep(0, 1e-12))
     session.step_frames(1)
     assert session.setup.lanes[0].step_for(session.setup.frame_time) > 1e-8
 
@@ -194,7 +205,7 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     def value_in(session, index):
         return number.values(session.lanes[0])[index]
 
-    # Power laws, draft gears, open gaps.
+    # The three scenes contain power laws, draft gears and open gaps.
     sessions = [opened(name) for name in ("one-on-four", "experiment-one-on-three", "galilean")]
     owners = [(one, index) for one in sessions for index, _ in enumerate(number.values(one.lanes[0]))]
     session, index = next(owner for owner in owners if not math.isnan(value_in(*owner)))
@@ -202,7 +213,7 @@ def test_a_number_is_wherever_numbers_are(number, tmp_path):
     parameter = next(one for one in parameters(session, 0, number.owner, index) if one.name == number.name)
     assert parameter.value == before
     columns, had = values_table(session, 0, number.owner).columns, np.nan_to_num(number.values(session.lanes[0])).any()
-    # A column that is empty for all beads is not shown.
+    # A column of the table is hidden if it is empty for all beads.
     assert (number.column in columns) == (had or number.column not in SET_COLUMNS)
     value = parameter.at(0.3)
     assert value != before
@@ -236,13 +247,13 @@ def test_a_gesture_is_one_undo_step():
     assert session.undo() == "bead moved"
     assert np.array_equal(session.lanes[0].position, start)
     session.apply(inputs.SetMass(0, 1, 3.0))
-    assert not session.redo()  # An edit drops the steps that could be redone.
+    assert not session.redo()  # A new edit deletes the list of edits that could be redone.
     session = opened(frames=30)
     before = picture(session)
     pull(session, 4, [5.0 + 0.1 * k for k in range(10)])
     session.drop()
     session.tick(0.1)
-    assert not session.undo_stack.unsaved  # The scene has not changed.
+    assert not session.undo_stack.unsaved  # Pulling a bead does not change the scene, so nothing is unsaved.
     assert session.undo() == "bead pulled"
     assert picture(session) == before
 
@@ -259,7 +270,7 @@ def test_several_inputs_are_one_undo_step(tmp_path):
     for mass in (3.0, 4.0):
         session.apply_all([inputs.SetMass(0, bead, mass) for bead in (2, 3)], gesture=True, anew=True)
     assert (session.frame, session.history.last) == (0, 0)
-    # The result includes an edit that is later than the frame shown.
+    # The result includes the edit of bead 1, although it was made at a later frame than the one shown.
     assert session.lanes[0].chain.mass == (1.0, 2.0, 4.0, 4.0, 1.0)
     session.step_frames(30)
     check_replay(session, tmp_path / "replay.npz")
@@ -296,7 +307,8 @@ def test_undoing_a_saved_edit_makes_the_scene_unsaved(tmp_path):
     session.undo()
     assert session.undo_stack.unsaved
     session.redo()
-    for frame, unsaved in ((6, False), (3, True)):  # A frame after the edit, and a frame before it.
+    # The session shows a frame after the edit first, and then a frame before the edit.
+    for frame, unsaved in ((6, False), (3, True)):
         session.scrub_frame(frame)
         assert not session.undo_stack.unsaved
         session.play()
@@ -315,7 +327,7 @@ def test_the_memory_of_steps_is_bounded(monkeypatch):
 
 
 def test_there_is_one_kind_of_steel():
-    """Compare the steel balls offered next to a row of soft beads with the balls of the scene of Newton's cradle."""
+    """Check that the steel balls for comparison have the same contacts as the balls in the scene of Newton's cradle."""
     cradle, soft = load("hertz-cradle"), load("one-on-four")
     chain = soft.lanes[0].chain()
     law = steel_ball(chain, 1, 1.0, soft.view.length)

@@ -1,4 +1,7 @@
-"""Tests of the history of a session: its frames, the limit of its memory, and the contact events of its frames."""
+"""Tests of the stored frames of a session.
+
+They check the contents of the frames, the memory limit, and the times at which contacts open and close.
+"""
 
 import math
 

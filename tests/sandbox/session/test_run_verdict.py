@@ -1,4 +1,7 @@
-"""Tests of the verdict on a lane, now and over the whole run: good if the physics is right, and otherwise a sentence."""
+"""Tests of the verdict on the accuracy of a simulation, for the current second and for the whole run.
+
+The verdict is "good" if the physics is right. Otherwise it contains a sentence about the problem.
+"""
 
 import re
 from functools import partial
@@ -26,7 +29,7 @@ def worst_of(session, frames=600):
     return max(found, key=lambda health: LEVELS.index(health.level))
 
 
-# Warning of the train with loss, whose velocities are determined to 1e-3 m/s.
+# One train has draft gears with energy loss. The warning says that its final velocities are known only to 1e-3 m/s.
 @pytest.mark.filterwarnings("ignore:final velocities are determined")
 @pytest.mark.parametrize("name", EVERY_SCENE)
 def test_every_played_scene_ends_like_the_reference(name):
@@ -37,11 +40,13 @@ def test_every_played_scene_ends_like_the_reference(name):
         method = "accurate" if chain.dissipative and (chain.contacts > 5 or chain.strings) else "scipy"
         fine = {"method": "conserving", "step": 2e-5} if chain.couplers else {"method": method, "tolerance": 1e-4}
         truths.append(partial(simulate, chain, lane.velocity, **fine, samples=2))
-    # Driven scenes have a duration, because their beads may never separate.
+    # A scene with external forces has a duration, because its beads may never separate.
     until = session.scene.duration or max(truth().time[-1] for truth in truths)
     health = worst_of(session, 900)
     assert health.energy_error < 1e-10
-    if name == "weak-contact":  # The cluster that breaks chatters shortly: its contacts bounce within a step or two.
+    # In this scene, the cluster of beads breaks apart. Its contacts then open and close every step or two for a short
+    # time.
+    if name == "weak-contact":
         assert health.level in ("good", "fair")
     else:
         assert (health.level, health.chatter < 0.5) == ("good", True)
@@ -73,7 +78,8 @@ def test_too_large_steps_get_a_bad_verdict():
     assert (unstable.level, "smaller step" in unstable.sentence) == ("bad", True)
     assert fast.health(0).energy_error > 0.01
     fast.apply(inputs.SetMethod(0, "accurate"))
-    assert fast.health(0).energy_error == 0.0  # The error of euler does not count for another method.
+    # The energy error of `euler` no longer counts after another method has been chosen.
+    assert fast.health(0).energy_error == 0.0
     assert "euler lost energy" in [item.cause for item in fast.findings(0)]
 
 
@@ -99,10 +105,11 @@ def test_badge_and_findings_agree_after_chattering_has_ended():
     while_it_chatters = worst_of(session, 300)
     assert (while_it_chatters.level, while_it_chatters.chatter > MOST_CHATTER) == ("bad", True)
     assert re.search("verlet .*conserving", while_it_chatters.sentence)
-    for slow, frames in ((5.0, 300), (20.0, 4000)):  # A new setup begins a new slice, and chattering continues.
+    # Changing the slow motion starts a new part of the history. The chattering continues in this part.
+    for slow, frames in ((5.0, 300), (20.0, 4000)):
         session.apply(inputs.SetSlow(slow))
         session.step_frames(frames)
-    assert session.health(0).level == "good"  # Verdict on the last second.
+    assert session.health(0).level == "good"  # The verdict refers only to the last second.
     found = next(item for item in session.findings(0) if "chattered" in item.cause)
     assert found.level == "bad"
     assert "Do not trust it: verlet chattered from " in summary_text(session)
@@ -131,7 +138,7 @@ def test_the_label_says_what_the_contacts_are_now():
     session.apply(inputs.SetMass(0, 1, 3.0))
     again = Session(session.to_scene())
     again.apply(inputs.SetMass(0, 1, 2.0))
-    assert again.label(0) == "alpha = 1/10, edited"  # The word occurs only once.
+    assert again.label(0) == "alpha = 1/10, edited"  # The word "edited" must not be repeated after a second edit.
     laws = [inputs.SetContact(0, k, law) for k, law in enumerate((hertz(12.0), Contact(0.1, 0.3, 0.7)))]
     mixed = opened("beads-against-gear", *laws, inputs.Lock(1, 0))
     assert [mixed.label(lane) for lane in (0, 1)] == ["mixed contacts", "Hertz, alpha = 3/2 and draft gear"]
@@ -155,12 +162,17 @@ def test_velocities_are_checked_since_the_last_edit():
     session.apply(inputs.SetMethod(0, "auto"))
     session.restart()
     session.step_frames(600)
-    assert check.error() is None  # The check belongs to another run.
+    # The velocity error was computed for the previous run and is not valid after a restart.
+    assert check.error() is None
 
 
 @pytest.mark.parametrize(("share", "level"), [(1e-3, GOOD), (0.03, FAIR), (0.3, BAD)])
 def test_the_error_that_the_method_estimates_is_part_of_the_verdict(share, level):
-    """Check that the history and exports contain the estimate, and that it continues from a frame of the history."""
+    """Check that the velocity error estimated by the method is part of the verdict.
+
+    The history and the exported data must contain the estimate. After going back to an earlier frame, the estimate must
+    continue from the value of that frame.
+    """
     session = opened("one-on-four", inputs.SetMethod(0, "accurate"))
     session.step_frames(30)
     lane = session.lanes[0]

@@ -1,5 +1,7 @@
-"""Tests of sessions: time, history, branches, the pointer spring, descriptions in words, and agreement with the
-physics.
+"""Tests of sessions, which are simulations that a user plays and edits.
+
+They check the clock, the stored frames, continuing from earlier frames, and pulling beads with the pointer. They also
+check descriptions in words and the agreement with the physics engine.
 """
 
 import math
@@ -39,7 +41,10 @@ PICTURE = 2.0 / FRAME_RATE
 
 
 def test_the_step_of_a_strong_drive_fits_its_speed():
-    """Check strong drives. They would cause astronomical overlaps, and the step chosen for that speed would be 1e13 s."""
+    """Check the time step if a very strong external force accelerates soft beads.
+
+    Such a force would cause astronomical overlaps, and a step chosen for the resulting speed would be 1e13 s.
+    """
     session = opened()
     session.apply_all([SetDrive(0, 0, 5.0), *(SetContact(0, k, power_law(1.0, 1 / 50)) for k in range(4))])
     setup = session.lanes[0].setup
@@ -65,13 +70,16 @@ def test_late_physics_slows_the_clock_and_is_reported():
     took = 3.0
     assert session.tick(PICTURE) == 1, "a frame beyond the budget is still computed"
     frame = session.frame
-    session.tick(3600.0)  # A program that was suspended does not catch up.
+    session.tick(3600.0)  # A program that was suspended for an hour does not compute the missed time.
     assert session.frame - frame <= 0.25 * FRAME_RATE
 
 
 @pytest.mark.parametrize(("name", "frame", "last"), [("one-on-four", 150, 400), ("experiment-two-on-two", 20, 60)])
 def test_playing_from_an_earlier_frame_gives_the_same_digits(name, frame, last, tmp_path):
-    """Check the branch and its replay. The energy absorbed by the bed had another last digit in the replay."""
+    """Check that playing on from an earlier frame gives bitwise the same motion, also in a replay.
+
+    In an earlier version, the energy dissipated by ground friction differed in its last digit.
+    """
     session = opened(name, frames=last)
     before = [snapshot_table(session.history.snapshot(k)) for k in range(last + 1)]
     session.scrub_frame(frame)
@@ -93,7 +101,7 @@ def test_restarts_and_saved_scenes_keep_edits(tmp_path):
     session.apply(SetVelocity(0, 4, 9.0))
     assert session.to_scene().lanes[0].velocity == (2.0, 0.0, 0.0, 0.0, 0.0)
     session.apply(RemoveBead(0, 4))
-    session.scrub_frame(20)  # A frame before this edit.
+    session.scrub_frame(20)  # Frame 20 is earlier than the removal of the bead.
     assert len(session.shown_scene().lanes[0].velocity) == 5
     session.save_scene(tmp_path / "saved.toml")
     session.restart()
@@ -124,7 +132,8 @@ def test_a_released_bead_flies_on_at_the_speed_of_the_pointer():
     assert session.lanes[0].velocity[0] == thrown
     session.apply(SetSlow(1000.0))
     pull(session, 0, [-1e6] * 120)
-    assert session.lanes[0].velocity[0] == pytest.approx(-HAND_SPEED, rel=0.05)  # The closing speed is 1 m/s.
+    # The limit of the speed is a multiple of the closing speed, which is 1 m/s.
+    assert session.lanes[0].velocity[0] == pytest.approx(-HAND_SPEED, rel=0.05)
 
 
 def test_uneven_frame_times_lose_no_time():
@@ -160,8 +169,10 @@ def test_a_replay_ends_at_its_last_frame(tmp_path):
 
 @pytest.mark.parametrize("scene", ["train-solid", "train-shunting", "train-starting"])
 def test_the_reference_plays_trains_with_a_bounded_work_in_a_frame(scene, monkeypatch):
-    """Check the step limit of the reference. Its frames took seconds. Now `conserving` finishes a frame, and the lane
-    reports this.
+    """Check that the reference method `scipy` computes a frame of a train with a limited number of steps.
+
+    Without the limit, a frame took seconds. If the limit is reached, the method `conserving` finishes the frame and the
+    session shows a warning.
     """
     session = opened(scene, SetMethod(None, "scipy"))
     for _ in range(6):
@@ -185,14 +196,18 @@ def test_a_collision_is_told_in_words():
     assert (float(together[1]), float(striker[1])) == pytest.approx((0.25, 0.25), abs=0.005)
     assert re.search(r"Cylinder 0 hit cylinder 1 at .* with 0\.5\u00a0m/s", text)
     assert "trust" not in text
-    last = f"{session.contact_events().time[-1]:.3g}"  # A time, not a duration.
+    # The description contains the time of the last opening, not a duration.
+    last = f"{session.contact_events().time[-1]:.3g}"
     assert f"The last contact opened at {last}\u00a0s." in text
     use_language("de")
     assert f"Der letzte Kontakt öffnete sich nach {last.replace('.', ',')}\u00a0s." in summary_text(session)
 
 
 def test_descriptions_use_the_present_beads():
-    """Check hits after a bead is removed. Earlier bead numbers then refer to other beads or to none."""
+    """Check the description of collisions after a bead has been removed.
+
+    The numbers of the remaining beads have changed, so a description of earlier collisions would name wrong beads.
+    """
     session = opened("one-on-four", SetVelocity(0, 0, 0.0), SetVelocity(0, 4, -1.0), frames=300)
     assert "Bead 3 hit bead 4" in summary_text(session)
     session.apply(RemoveBead(0, 4))
@@ -203,7 +218,11 @@ def test_descriptions_use_the_present_beads():
 
 @pytest.mark.parametrize("name", ["driven-cluster", "train-starting"])
 def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
-    """Check that neither a closing of touching contacts under a force nor the end of a coupler's slack counts as a hit."""
+    """Check which closings of contacts are not described as hits.
+
+    Touching beads that are pressed together by a force do not hit each other. Neither do wagons whose coupler reaches
+    the end of its slack.
+    """
     session = opened(name, frames=300)
     assert session.contact_events().closed.any()
     assert " hit " not in summary_text(session)
@@ -211,7 +230,10 @@ def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
 
 @pytest.mark.parametrize("name", EVERY_SCENE)
 def test_the_bead_that_hits_is_the_one_that_approached(name):
-    """Check the beads of the first hit. Touching or pressed contacts close at the same time or earlier."""
+    """Check which beads are named in the description of the first hit.
+
+    Contacts that touch or are pressed at the start can close at the same time or earlier. They must not be named.
+    """
     scene = scenes.load(name)
     for lane, found in zip(scene.lanes, run_scene(scene), strict=True):
         # A ball on a string first swings away from the others and hits them when it returns.
@@ -222,8 +244,10 @@ def test_the_bead_that_hits_is_the_one_that_approached(name):
 
 @pytest.mark.parametrize(("method", "least", "most"), [("euler", 1e-6, 1e-3), ("conserving", 0.0, 1e-12)])
 def test_errors_between_equal_walls_are_not_booked_as_work(method, least, most):
-    """Check walls of equal velocity. The velocity of the second is a sum over the row and equal only up to round-off,
-    so errors counted as work of the walls.
+    """Check two walls that move with the same velocity.
+
+    The velocity of the second wall is computed as a sum over the chain, so it differs by round-off. In an earlier
+    version, energy errors therefore counted as work of the walls.
     """
     row = {"mass": [math.inf, 1, 1, 1, math.inf], "velocity": [0.1, 1, 0.3, 0.7, 0.1], "gap": [0.1, 0.2, 0.1, 0.3]}
     lane = Lane(**row, contact={"law": "hertz", "stiffness": 30.0})
@@ -234,7 +258,7 @@ def test_errors_between_equal_walls_are_not_booked_as_work(method, least, most):
 
 def test_no_fault_is_told_before_it_comes():
     ends = simulate(scenes.load("one-on-four").lanes[0].chain(), [1, 0, 0, 0, 0], samples=2)
-    # The force between two samples is unknown, not 0.
+    # The largest force between two samples is unknown, so it must be None and not 0.
     assert {contact.largest_force for contact in summarise("", ends).contacts} == {None}
     session = opened("draft-gear-one-on-three")
     for edit in (SetMethod(None, "euler"), SetStep(None, 0.01)):

@@ -1,7 +1,8 @@
-"""Tests of files of a session: scenes that read back equal, histories for other programs, measured data, and
-recordings.
+"""Tests of the files that a session writes and reads.
 
-A replay has the digits of the session, or it names the first frame that differs.
+They check that a saved scene reads back equal, and that other programs can read exported motions. They also check
+measured data and recordings. A replay of a recording must be bitwise equal to the session, or it must name the first
+frame that differs.
 """
 
 import json
@@ -31,8 +32,9 @@ ROW = 'title = "T"\n[[lanes]]\nvelocity = [0.8, 0.3, 0.1, 0.0]\ncontact = {law =
 
 
 def test_velocities_are_written_as_they_were_given():
-    """Check that a scene does not count as edited by round-off. Velocities are computed from their differences, which
-    changes last digits.
+    """Check that round-off of velocities does not mark a scene as edited.
+
+    A session stores differences of velocities. Computing the velocities from them changes the last digits.
     """
     session = Session(parse(ROW))
     assert not session.edited
@@ -76,7 +78,7 @@ def test_a_scene_that_cannot_be_written_is_rejected(tmp_path):
 
 def test_the_history_is_exported_as_a_trajectory(tmp_path):
     session = opened("beads-against-gear", frames=700)
-    paths = session.export(tmp_path / "history.Npz")  # Endings of file names are case-insensitive.
+    paths = session.export(tmp_path / "history.Npz")  # The endings of file names are case-insensitive.
     assert [path.name for path in paths] == ["history-1.Npz", "history-2.Npz"]
     for number, path in enumerate(paths):
         trajectory, part = Trajectory.load(path), last_slice(session.history, number, session.frame)
@@ -118,7 +120,8 @@ def test_the_export_of_an_earlier_frame_has_no_contact_of_later_ones():
     session = opened("one-on-four", frames=100)
     before = session.trajectory(0)
     session.step_frames(150)
-    session.apply(inputs.RemoveBead(0, 0))  # The remaining contacts get other numbers.
+    # After the first bead is removed, the remaining contacts have other numbers.
+    session.apply(inputs.RemoveBead(0, 0))
     session.step_frames(100)
     session.scrub_frame(100)
     found = session.trajectory(0)
@@ -150,7 +153,10 @@ def test_external_work_is_not_an_error_of_an_exported_motion(name, tmp_path):
 
 
 def test_edits_at_the_start_are_not_work():
-    """Check edits at the start: a placed bead means no work of the drive, and a bead can be thrown in a row at rest."""
+    """Check that moving a bead before the start is not counted as work of an external force.
+
+    Also check that a bead can be thrown if all beads are at rest.
+    """
     found = opened("driven-cluster", inputs.Place(0, 0, -0.5), frames=100).trajectory(0)
     energy = found.kinetic_energy + found.contact_energy
     assert found.driven[0] == 0.0
@@ -162,8 +168,8 @@ def test_edits_at_the_start_are_not_work():
 
 
 def test_beads_that_touch_are_a_length_apart():
-    """Check positions on the line. Touching beads do not have the same position, and the striker is on the left."""
-    session = opened(frames=400)  # Contacts push.
+    """Check that the positions of touching beads differ by the length of a bead, and that the striker is on the left."""
+    session = opened(frames=400)  # After 400 frames, the contacts are pressed.
     length = session.scene.view.length
     places = [row[2] for row in values_table(session, 0, "bead").rows]
     overlap = session.lanes[0].state.overlap
@@ -179,7 +185,10 @@ def metadata_of(path):
 
 
 def test_the_names_in_a_recording_stay_those_of_earlier_versions(tmp_path):
-    """Check the names in a file. Classes and attributes can be renamed, but existing files of users must stay valid."""
+    """Check the names of edits in the file of a recording.
+
+    Python classes and attributes can be renamed. Files of users must nevertheless stay readable.
+    """
     opened("one-on-four", inputs.SetMethod(None, "auto")).save_recording(tmp_path / "played.npz")
     metadata = metadata_of(tmp_path / "played.npz")
     assert set(metadata) == {"softcradle recording", "versions", "scene", "frame", "base", "inputs"}
@@ -224,7 +233,8 @@ def test_a_full_recording_starts_again(method, tmp_path, monkeypatch):
     replay = check_replay(session, tmp_path / "late.npz")
     assert "agrees" in replay.sentence
     assert replay.session.frame == session.frame
-    replay.session.step_frames(1)  # The frames that are played after the replay are in no file.
+    # The session continues after the end of the recording. These frames are not in the file.
+    replay.session.step_frames(1)
     assert f"left at frame {session.frame - session.recording.frame}" in replay.sentence
     session.scrub_frame(5)
     session.step_frames(-1)
@@ -237,7 +247,8 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path):
     session, path = opened(frames=50), tmp_path / "bad.npz"
     session.save_recording(path)
     whole, metadata = np.fromfile(path, np.uint8), metadata_of(path)
-    for place in range(0, len(whole) - 4, 7):  # Some damaged bytes cannot be detected.
+    # Damage to some bytes cannot be detected. Loading must then raise no other exception.
+    for place in range(0, len(whole) - 4, 7):
         torn = whole.copy()
         torn[place : place + 4] ^= 0xFF
         torn.tofile(path)

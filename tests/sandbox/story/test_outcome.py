@@ -1,5 +1,6 @@
-"""Tests of the outcome of a motion: the definitions of *together* and *still*, checked with final velocities of known
-motions.
+"""Tests of the outcome of a collision: which beads move together and which beads are nearly at rest.
+
+The definitions of both terms are checked with known final velocities.
 """
 
 import math
@@ -14,7 +15,8 @@ from softcradle.sandbox.story.lane_story import first_hit, story_of
 from softcradle.sandbox.story.outcome import MOVES, NEARLY_STILL, STILL, outcome_of
 from softcradle.sandbox.story.sentences import describe, outcome_words, story_words
 
-# Final velocities from quadruple-precision solutions of one on four, alpha = 1/10, and of one on ten, alpha = 1/30.
+# Final velocities computed with quadruple precision. ONE_ON_FOUR is for alpha = 1/10, and ONE_ON_TEN is for alpha =
+# 1/30.
 ONE_ON_FOUR = (-0.567586, 0.173921, 0.454079, 0.469784, 0.469802)
 ONE_ON_TEN = (-0.7833, -0.0673, 0.1696, 0.2067, 0.2104, 0.2106, 0.2106, 0.2106, 0.2106, 0.2106, 0.2106)
 HERTZ_CRADLE = (-0.0711, -0.0303, -0.0145, 0.1270, 0.9888)
@@ -22,12 +24,12 @@ HOOKE_CRADLE = (-0.132279, -0.075329, -0.031011, 0.296218, 0.942402)
 
 
 def strike(count: int) -> list[float]:
-    """Return start velocities of one striker and beads at rest."""
+    """Return the start velocities of one striker with velocity 1 and `count` - 1 beads at rest."""
     return [1.0] + [0.0] * (count - 1)
 
 
 def groups_of(velocity, start=None, mass=None) -> list[tuple[int, int, str]]:
-    """Return first bead, last bead and state of each group."""
+    """Return the first bead, the last bead and the state of each group of beads."""
     found = outcome_of(mass or [1.0] * len(velocity), start or strike(len(velocity)), velocity)
     return [(group.first, group.last, group.state) for group in found.groups]
 
@@ -49,7 +51,10 @@ def test_groups_of_known_collisions(velocity, groups):
 
 @pytest.mark.parametrize("count", [3, 10, 49, 1000])
 def test_rigid_cluster_that_carries_the_momentum_is_not_still(count):
-    """Check one bead on a rigid cluster. The cluster is slow, but it carries twice the momentum of the striker."""
+    """Check the collision of one bead with a long rigid cluster.
+
+    The cluster is slow, but it carries twice the momentum of the striker. It must not count as nearly at rest.
+    """
     speed = 2.0 / (count + 1)
     assert groups_of([speed - 1.0] + [speed] * count) == [(0, 0, MOVES), (1, count, MOVES)]
 
@@ -63,7 +68,11 @@ def test_one_on_49_soft_beads_moves():
 
 
 def test_slow_beads_that_together_carry_the_momentum_are_not_still():
-    """Check a hundred single beads, each with a fiftieth of the momentum, as behind a wave."""
+    """Check a hundred separate slow beads, such as a wave leaves behind.
+
+    Each bead carries a fiftieth of the momentum. Beads that carry most of the momentum together must not count as
+    nearly at rest.
+    """
     velocity = [-0.98] + [0.02 * (0.5 + (k % 7) / 6) for k in range(99)]
     found = outcome_of([1.0] * 100, strike(100), velocity)
     still = [group for group in found.groups if not group.moves]
@@ -120,15 +129,18 @@ ROWS = st.integers(2, 12).flatmap(
 
 @given(ROWS, st.floats(-3.0, 3.0))
 def test_groups_do_not_depend_on_the_frame_of_reference(rows, speed):
-    """Check groups in several frames of reference. Only the beads at rest depend on the frame."""
+    """Check that the groups of beads are the same in every frame of reference.
+
+    Only the beads that count as nearly at rest depend on the frame of reference.
+    """
 
     def spans(start, velocity):
         found = outcome_of([1.0] * len(start), start, velocity)
-        # Neighbouring groups at rest are reported as one, so only moving groups are compared.
+        # Neighbouring groups at rest are reported as one group, so only moving groups are compared.
         return {(group.first, group.last) for group in found.groups if group.moves}
 
     start, velocity = (np.array(row) for row in rows)
-    fast = 100.0 + speed  # All beads move in this frame of reference.
+    fast = 100.0 + speed  # In this frame of reference, no bead is at rest.
     assert spans(start, velocity) <= spans(start + fast, velocity + fast)
 
 

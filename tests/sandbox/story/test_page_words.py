@@ -1,4 +1,7 @@
-"""Words of pages: the keys that scripts and documents use are the keys of the table, in every language."""
+"""Tests of the table of texts for web pages.
+
+Scripts and HTML documents must use exactly the keys of this table, in every language.
+"""
 
 import re
 import string
@@ -11,7 +14,7 @@ from softcradle.sandbox.story.page_story import page_words
 
 from tests.helpers.paths import ROOT
 
-# Beginnings of keys that scripts complete: the state of a contact, laws, groups, the second row of a comparison.
+# Beginnings of keys. Scripts append the state of a contact, a contact law, a group of beads or the second row of beads.
 COMPLETED = (
     "law ",
     "guess ",
@@ -57,7 +60,8 @@ def test_translations_have_the_placeholders_of_the_english_text(code):
     use_language(code)
     for key, text in page_words().items():
         assert placeholders(text) == placeholders(english[key]), key
-        assert code != "fr" or not re.search(" [:;!?]", text), key  # the sign would begin a new line
+        # In French, an ordinary space before a punctuation mark could move the mark to the next line.
+        assert code != "fr" or not re.search(" [:;!?]", text), key
 
 
 def placeholders(text):

@@ -1,6 +1,7 @@
-"""Window, terminal, film, lessons and page report the same outcome of every scene of the catalogue, and of one bead on 49.
+"""Check that window, terminal, film, lessons and web page report the same outcome of a collision.
 
-The page runs in node: its own scripts and kernels, without a document.
+All scenes of the catalogue and the collision of one bead with 49 beads are checked. The scripts and compiled kernels of
+the web page run in Node.js, without a document.
 """
 
 import json
@@ -48,9 +49,10 @@ slow = 2.0
 NAMES = (*names(), "one-on-49")
 NODE = shutil.which("node")
 needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
-# Largest difference of two velocities, as a fraction of the largest one, by different methods and steps.
+# Largest allowed difference of two velocities, as a fraction of the largest velocity. The velocities are computed with
+# different methods and steps.
 VELOCITY = 0.01
-# Scripts of a page that run without a document.
+# Scripts of a web page that can run without a document.
 HEADLESS = tuple(name for name in SCRIPTS if name not in ("page", "controls"))
 
 
@@ -64,17 +66,21 @@ def summary(outcome) -> list[tuple[int, int, str]]:
 
 @cache
 def told(name: str) -> list:
-    """Return the stories that the terminal tells, one for each lane."""
+    """Return the outcomes that the terminal prints, as one story for each row of beads."""
     return [story_of(run) for run in run_scene(scene_of(name))]
 
 
 @cache
 def played(name: str) -> tuple[Session, list[float | None]]:
-    """Return a session that the window has played to its end, and the time at which each lane was over."""
+    """Return a session that was played to the end in the same way as in the window.
+
+    Also return the time at which the motion of each row of beads was over.
+    """
     session = Session(scene_of(name))
     ends: list[float | None] = [None] * len(session.lanes)
     last = session.scene.duration or math.inf
-    last -= 0.5 * session.setup.frame_time  # round-off of the time must not add a frame
+    # Half a frame is subtracted because round-off of the time must not add a frame.
+    last -= 0.5 * session.setup.frame_time
     while not all(lane.over for lane in session.lanes) and session.time < last:
         session.step_frames(1)
         ends = [(end or session.time) if lane.over else None for end, lane in zip(ends, session.lanes, strict=True)]
@@ -83,14 +89,16 @@ def played(name: str) -> tuple[Session, list[float | None]]:
 
 @cache
 def filmed(name: str) -> list:
-    """Return the motions that a film of the scene draws, one for each lane."""
+    """Return the motions that a film of the scene shows, one for each row of beads."""
     scene = scene_of(name)
     return scene_motions(scene, 120.0 * scene.view.slow)
 
 
 @cache
 def shared() -> dict[str, dict]:
-    """Return what the pages of all scenes report at their end, by name."""
+    """Return the outcome that the web page of each scene reports at the end, as a dictionary with the scene name as
+    key.
+    """
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
@@ -119,7 +127,7 @@ def test_window_and_terminal_tell_the_same_story(name):
         if session.scene.duration is None:
             opened = session_story(session, lane).opened
             assert opened == pytest.approx(story.opened, rel=0.01)
-            if session.lanes[lane].chain.on_bed:  # the window plays until friction has stopped all beads
+            if session.lanes[lane].chain.on_bed:  # The window continues to play until friction has stopped all beads.
                 assert ends[lane] > opened
                 assert not session.lanes[lane].velocity.any()
                 assert outcome_text(session).endswith("Then friction stopped them.")

@@ -1,4 +1,6 @@
-"""Tests of the sentence that explains a collision by the overlaps and forces at its largest push."""
+"""Tests of the sentence that explains a collision. The sentence uses the overlaps and forces at the moment of the
+largest force.
+"""
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ SPACE = "\u00a0"
 
 
 def explained(name: str, lane: int = 0, body: str = "bead") -> str:
-    """Return the explanation of a lane of a scene."""
+    """Return the explanation of the collision in one row of beads of a scene."""
     scene = scenes.load(name)
     chain = scene.lanes[lane].chain()
     found = simulate(chain, velocity=list(scene.lanes[lane].velocity), duration=scene.duration, samples=2000)

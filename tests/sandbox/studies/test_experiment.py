@@ -1,4 +1,7 @@
-"""Tests of the paper's experiment on its bed, and of the trains: the fit of friction, and the scenes."""
+"""Tests of the scenes for the paper's experiment, in which beads slide with friction, and of the scenes with trains.
+
+They also check the fit of the friction coefficient.
+"""
 
 import json
 import math
@@ -13,7 +16,7 @@ from softcradle.sandbox.studies.experiment import PISTON, PRECOMPRESSION, STIFFN
 
 from softcradle import scenes
 
-GEAR_TRAVEL = 0.083  # Travel [m] of one draft gear. A coupling has two gears.
+GEAR_TRAVEL = 0.083  # Travel of one draft gear [m]. A coupling between two wagons has two gears.
 
 
 def test_scenes_of_the_experiment_have_the_fitted_values():
@@ -28,12 +31,16 @@ def test_scenes_of_the_experiment_have_the_fitted_values():
         assert experiment.ENERGY_DEFICIT[0] <= lost.energy <= experiment.ENERGY_DEFICIT[1]
         found = simulate(chain, lane.velocity, 1.5)
         assert (found.velocity[-1] == 0.0).all()
-        assert np.ptp(found.position[-1, strikers:]) < 1e-6  # The targets came to rest together.
+        # The targets come to rest without separating from each other.
+        assert np.ptp(found.position[-1, strikers:]) < 1e-6
         assert found.absorbed_by_bed[-1] + found.absorbed_by_contacts[-1] == pytest.approx(found.ledger[0], rel=1e-9)
 
 
 def test_the_fit_of_friction_is_the_root_of_the_deficit(softcradle, tmp_path):
-    """Compare the general tool with a root search, in Python and as a command."""
+    """Compare the friction coefficient found by `fit` with the result of a root search.
+
+    The fit is run both as a Python function and as a command.
+    """
     root = brentq(lambda friction: experiment.deficits(1, 0.5, friction).momentum - 0.075, 0.0, 1.0, xtol=1e-13)
     assert experiment.friction_for(0.075, 1, 0.5) == pytest.approx(root, rel=1e-9)
     (tmp_path / "one.toml").write_text(experiment.collision_scene(1, 0.5, 0.01).to_toml(), encoding="utf-8")
@@ -57,13 +64,15 @@ def test_draft_gears_of_the_train_have_the_data_of_railways(name):
     assert np.ptp(found.ledger) < 1e-10 * found.ledger[0]
     struck = int(np.argmax(np.diff(lane.velocity) != 0.0))
     peaks = found.force.max(axis=0)
-    assert (np.diff(peaks[struck:]) < 0.0).all()  # The peak force decreases from gear to gear along the train.
+    assert (np.diff(peaks[struck:]) < 0.0).all()  # The peak force decreases from one gear to the next along the train.
     assert (np.diff([intervals[0][0] for intervals in found.contact_intervals[struck:]]) > 0.0).all()
 
 
 def test_caught_pistons_take_energy_and_no_momentum():
-    """Check pistons of 20 g. Without a bed they take 9.2 % of the energy of one on three: m_p/(m + m_p) in each of two
-    catches.
+    """Check the energy that is lost when loose pistons of 20 g are caught, without friction.
+
+    In the collision of one bead with three, the pistons take 9.2 % of the energy. Each of the two catches takes the
+    fraction m_p/(m + m_p).
     """
     setup = Apparatus(STIFFNESS, PRECOMPRESSION, 0.0)
     momentum, energy = piston_deficits(1, 0.5, setup, PISTON, 0.0)
@@ -72,13 +81,17 @@ def test_caught_pistons_take_energy_and_no_momentum():
     assert energy == pytest.approx(2.0 * share, rel=0.06)
     moments, lines = (piston_deficits(1, 0.5, setup, 1e-9, window) for window in (0.0, 0.02))
     assert moments == pytest.approx((0.0, 0.0), abs=1e-8)
-    assert lines == pytest.approx(moments, abs=1e-7)  # Measured at the camera's frames. No bed slows the beads.
+    # The deficits measured with the frame rate of the camera agree with the exact ones, because no friction slows the
+    # beads.
+    assert lines == pytest.approx(moments, abs=1e-7)
 
 
 @pytest.mark.usefixtures("one_core")
 def test_the_experiment_command_reports_fits_and_pistons(softcradle, tmp_path, monkeypatch):
-    """Check the results: one friction coefficient explains both momenta but not the energies, and pistons explain both.
-    v_c is proportional to sqrt(k) Delta0.
+    """Check the results of the command `softcradle experiment`.
+
+    One friction coefficient explains the momentum deficits of both experiments but not the energy deficits. Loose
+    pistons explain both. The error of v_c follows from v_c being proportional to sqrt(k) Delta0.
     """
     found = experiment.compute_experiment()
     monkeypatch.setattr(experiment, "compute_experiment", lambda **_: found)
@@ -99,7 +112,8 @@ def test_the_experiment_command_reports_fits_and_pistons(softcradle, tmp_path, m
         assert experiment.MOMENTUM_DEFICIT[0] <= momentum["value"] <= experiment.MOMENTUM_DEFICIT[1]
         assert experiment.ENERGY_DEFICIT[0] <= energy["value"] <= experiment.ENERGY_DEFICIT[1]
         assert 0.005 < momentum["error"] < 0.02
-        assert pistons[*case, 0.04]["momentum"]["value"] > momentum["value"]  # The beads continue to slide.
+        # With a time window of 0.04 s, the deficit is larger because the beads continue to slide.
+        assert pistons[*case, 0.04]["momentum"]["value"] > momentum["value"]
     found = printed["critical speeds"]["one on three"]
     parts = 0.5 * experiment.STIFFNESS_ERROR / STIFFNESS, experiment.PRECOMPRESSION_ERROR / PRECOMPRESSION
     assert found["value"] == pytest.approx(1.013, abs=1e-3)

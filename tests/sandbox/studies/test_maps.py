@@ -1,4 +1,7 @@
-"""Tests of maps of rigid-like behaviour: points agree with `simulate`, and gears are rigid below the critical speed."""
+"""Tests of maps that show for which parameters a cluster behaves like a rigid body.
+
+Single points of a map must agree with `simulate`. Clusters of draft gears must be rigid below the critical speed.
+"""
 
 import csv
 import itertools
@@ -55,8 +58,10 @@ def test_command_writes_picture_and_numbers(tmp_path, softcradle):
 
 
 def map_with(changes, monkeypatch, *size):
-    """Return table and axes of a map whose runs get `changes`, a function of the number of contacts and of whether the
-    run goes to the end.
+    """Return the table and the axes of a map whose simulation results are modified by the function `changes`.
+
+    The arguments of `changes` are the number of contacts, and True if the simulation continues to the end of the
+    motion.
     """
 
     def changed(chain, *arguments, **options):
@@ -71,7 +76,9 @@ def map_with(changes, monkeypatch, *size):
 
 
 def test_a_point_that_gives_up_is_hatched(monkeypatch):
-    """Let the longest chains give up before a contact has opened."""
+    """Check that a map marks failed points with hatches. In this test, the longest chains fail before a contact has
+    opened.
+    """
     lost = {"status": Status.OUT_OF_STEPS, "contact_intervals": ((),) * 3}
     table, (axes, _) = map_with(lambda contacts, _: lost if contacts == 3 else {}, monkeypatch, 4, 3)
     failed = table["n"] == 3
@@ -84,8 +91,10 @@ def test_a_point_that_gives_up_is_hatched(monkeypatch):
 
 
 def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatch):
-    """Let the run to the end fail at n = 2, and the run to the detachment at n = 3. The other runs are undetermined,
-    which is not given as a reason.
+    """Check the reason that a map gives for its hatched points.
+
+    Each point needs two simulations. At n = 2, the simulation to the end fails. At n = 3, the simulation to the
+    separation fails. The result of the other simulation is undetermined, which must not be given as the reason.
     """
     lost = {True: {"status": Status.FAILED}, False: {"status": Status.UNDETERMINED}}
     table, both = map_with(lambda contacts, to_the_end: lost[to_the_end is (contacts == 2)], monkeypatch, 3, 2)
@@ -95,20 +104,25 @@ def test_the_reason_of_a_hatched_cell_is_that_of_the_run_that_gave_up(monkeypatc
 
 @pytest.mark.parametrize("name", ["power", "gear"])
 def test_only_spreads_below_a_thousandth_are_white(tables, name):
-    """Check that cells with larger spreads are coloured, and that unknown cells are grey below their hatches."""
+    """Check that only cells with a relative spread of velocities below a thousandth are white.
+
+    Cells with an unknown spread are grey and hatched.
+    """
     scanned, table = tables[name]
     unknown = np.arange(len(table["n"])) % 5 == 2
     table = table | {"status": np.where(unknown, int(Status.FAILED), table["status"])}
     table |= {column: np.where(unknown, np.nan, table[column]) for column in COLUMNS}
     with styled():
         figure = draw_map(scanned, table)
-    assert figure.axes[1].collections[0].colorbar.extend == "both"  # Spreads beyond the scale get its last colour.
+    # A spread beyond the end of the scale gets the last colour.
+    assert figure.axes[1].collections[0].colorbar.extend == "both"
     for axes, column in zip(figure.axes, COLUMNS, strict=False):
         cells, spreads = axes.collections[0], table[column].reshape(len(scanned.sizes), -1)
         assert (spreads < 1e-3).any()
         colours, unknown = cells.to_rgba(cells.get_array()), np.isnan(spreads)
         np.testing.assert_array_equal((colours == 1.0).all(axis=2), spreads < 1e-3)
-        assert (colours[unknown, 3] == 0.0).all()  # The hatches below these cells are visible.
+        # Cells with an unknown spread are transparent, so their hatches are visible.
+        assert (colours[unknown, 3] == 0.0).all()
         columns, rows = np.transpose([patch.get_center() for patch in axes.patches])
         hatched = np.rint(rows) - scanned.sizes[0], np.searchsorted(cells.get_coordinates()[0, :, 0], columns) - 1
         np.testing.assert_array_equal(hatched, np.nonzero(unknown))

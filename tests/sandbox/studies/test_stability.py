@@ -1,5 +1,6 @@
-"""Tests of the scans of failure: inside its limit, a method keeps its error bound; outside, it fails as expected and
-warns.
+"""Tests of the parameter scans that search for failures of the numerical methods.
+
+Inside its limits, a method must keep its error bound. Outside, it must fail in the expected way and give a warning.
 """
 
 import csv
@@ -33,7 +34,8 @@ def made_run(spread, energy=0.0, switches=0, fineness=0.1, warned=True):
     ("run", "failure"),
     [
         (made_run(1e-3), None),
-        (made_run(1e-3, switches=1000), None),  # Harmless chattering.
+        # The contacts chatter, but the error is small. This does not count as a failure.
+        (made_run(1e-3, switches=1000), None),
         (made_run(0.1, switches=1000), Failure.CHATTER),
         (made_run(0.1), Failure.ERROR),
         (made_run(9.0, energy=9.0, switches=1000), Failure.BLOW_UP),
@@ -46,27 +48,31 @@ def test_how_a_run_fails(run, failure):
 
 
 def test_verlet_on_five_very_soft_beads_chatters_and_warns():
-    """Check n = 5, alpha = 0.02. No step is stable, which causes chattering and a spread of velocities."""
+    """Check the method `verlet` for n = 5 and alpha = 0.02.
+
+    No step is stable. The contacts chatter and the final velocities of the beads differ.
+    """
     scan = Scan("soft", "", (5.0,), lambda n: one_on(int(n), power_law(1.0, 0.02)))
     limit = stable_step(scan.chain(5.0), np.eye(1, 6)[0], TRUSTED_ERROR)
     verlet = find_method("verlet")
     coarser, coarse, fine = (scan_run(scan, 5.0, verlet, part * limit) for part in (10.0, 3.0, 1.0 / 30.0))
     for found in (coarser, coarse):
         assert found.failure is Failure.CHATTER
-        assert found.energy < 1.0  # Bounded, because the force is bounded.
+        assert found.energy < 1.0  # The energy error is bounded because the contact force is bounded.
     assert all(found.warned for found in (coarser, coarse, fine))
-    assert fine.switches > 200  # Finer steps also chatter, and more often.
-    # Each switch changes velocities less, so no bead has a large error.
+    assert fine.switches > 200  # With a finer step, the contacts open and close even more often.
+    # With a finer step, each opening or closing changes the velocities less. No bead has a large error.
     assert math.sqrt(5.0) * fine.spread < TRUSTED_ERROR
 
 
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
 @pytest.mark.parametrize("method", EXPLICIT)
 def test_inside_the_estimate_the_error_holds(scan, method):
-    """Take a third of `stable_step` for every value of a scan. The error must be within twice the requested error.
+    """Check the error of each explicit method with a third of the step `stable_step`. It must be at most twice the
+    requested error.
 
-    Each of four contacts can end its chattering at any point of the error range, so the mean error over steps can be
-    twice as large.
+    Each of four contacts can end its chattering at any point of the error range. The mean error over several steps can
+    therefore be twice as large.
     """
     for value in scan.values:
         chain = scan.chain(value)
@@ -83,13 +89,15 @@ def test_every_failure_of_a_fixed_step_has_a_warning(scan, method):
     found = [one for one in scan_runs(scan, find_method(method), coarse) if one.failure]
     assert found
     assert all(one.warned for one in found)
-    if method == "conserving":  # conserving must never chatter or blow up.
+    if method == "conserving":  # The method `conserving` must never chatter or become unstable.
         assert all(one.failure is Failure.ERROR and one.final_energy < 1e-10 for one in found)
 
 
 def test_rigid_contacts_of_pymunk_are_no_cradle_of_soft_beads():
-    """Check that the energy of the cradle depends on the step, and that one on four has the rigid-like outcome at no
-    step.
+    """Check that the rigid contacts of pymunk cannot replace soft beads.
+
+    The remaining energy of the cradle depends on the step. The rigid-like outcome of the collision of one bead with
+    four appears at no step.
     """
     coarse, fine = rigid_cradle.remaining_energy(1 / 60), rigid_cradle.remaining_energy(1 / 600)
     assert abs(coarse - 1.0) > 0.03
@@ -122,7 +130,8 @@ def test_a_scan_is_written_and_drawn_as_maps(tmp_path, softcradle, monkeypatch):
     found = [one for method in METHODS for one in scan_runs(scan, method)]
     with (tmp_path / "x.csv").open() as file:
         assert [row["failure"] for row in csv.DictReader(file)] == [one.failure or "" for one in found]
-    failure_scans.write_csv(found, tmp_path / "alone.csv")  # Runs of a sweep equal those of a scan.
+    # The results of the parallel sweep are equal to the results of single simulations.
+    failure_scans.write_csv(found, tmp_path / "alone.csv")
     assert (tmp_path / "alone.csv").read_text() == (tmp_path / "x.csv").read_text()
     with styled():
         details, overview = draw_details(found, [scan]), draw_overview(found, [scan])

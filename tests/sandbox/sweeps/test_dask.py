@@ -1,4 +1,7 @@
-"""Tests of a sweep on a real Dask scheduler with workers: a worker and the scheduler are killed, and the sweep resumes."""
+"""Tests of a parameter sweep on a real Dask cluster.
+
+A worker and the scheduler are killed during the sweep, and the sweep must resume.
+"""
 
 import os
 import socket
@@ -14,7 +17,7 @@ from tests.helpers.paths import ROOT
 from tests.helpers.swept import LOG, logged
 
 json_load_robust = pytest.importorskip("distributed.utils").json_load_robust
-# Dask keeps threads and connections, which the test cuts on purpose. Both end with the process.
+# Dask keeps threads and connections open, and the test interrupts connections on purpose. The test therefore runs in a separate process.
 pytestmark = [pytest.mark.own_process, pytest.mark.filterwarnings("ignore")]
 
 COUNT = 300
@@ -23,7 +26,10 @@ QUICK = {"COMM__TIMEOUTS__CONNECT": "20s", "SCHEDULER__WORKER_TTL": "120s", "SCH
 
 
 class Cluster:
-    """A scheduler on a free port, which it writes into a file, and two workers. Each is a process."""
+    """A Dask scheduler and two workers, each in its own process.
+
+    The scheduler uses a free port and writes its address into a file.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._place = folder / "scheduler.json"
@@ -61,7 +67,10 @@ def cluster(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_killed_and_resumed_it_is_equal_bit_for_bit(cluster, tmp_path, caplog):
-    """Kill a worker, then the scheduler with all workers, and continue the same sweep."""
+    """Check that a sweep gives bitwise the same result after interruptions.
+
+    First a worker is killed, then the scheduler and all workers. The same sweep is then continued.
+    """
     output, log, kept = tmp_path / "swept.zarr", tmp_path / "log", tmp_path / "swept.zarr.partial"
     reached: list[int] = []
 
@@ -96,7 +105,8 @@ def test_no_scheduler_is_told_at_once(tmp_path, monkeypatch):
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
         with pytest.raises(StudyError, match=f"no Dask scheduler answers at '{address}'"):
             sweep(logged, POINTS, output=tmp_path / "x.zarr", scheduler=address)
-    monkeypatch.setattr("distributed.Client", None)  # Dask would fail half a minute later, with a traceback.
+    # Without the early check, Dask would fail after half a minute with a traceback.
+    monkeypatch.setattr("distributed.Client", None)
     with pytest.raises(StudyError, match="no Dask scheduler at 'nonsense': missing port number"):
         sweep(logged, POINTS, output=tmp_path / "x.zarr", scheduler="nonsense")
     assert list(tmp_path.iterdir()) == []

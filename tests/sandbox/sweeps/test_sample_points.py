@@ -1,5 +1,7 @@
-"""Tests of sample points: each follows only from its number, for any chunk; agreement with SciPy's samples; error
-messages.
+"""Tests of the sample points of a parameter sweep.
+
+The values of a point must depend only on its number, not on the chunk in which it is computed. The tests also compare
+random samples with SciPy and check error messages.
 """
 
 import pickle
@@ -27,7 +29,7 @@ DESIGNS = {
 @pytest.mark.parametrize("points", DESIGNS.values(), ids=DESIGNS)
 def test_chunks_do_not_change_the_points(points):
     whole = points.columns(0, 42)
-    # Chunks like those after a resumption.
+    # These ranges of points can occur when an interrupted sweep is resumed.
     for begin, end in ((0, 1), (1, 2), (2, 20), (20, 42), (0, 41), (41, 42), (30, 42), (5, 10)):
         chunk = points.columns(begin, end)
         for path, values in whole.items():
@@ -114,8 +116,10 @@ velocity = [1.0, 0.0, 0.0]
     ],
 )
 def test_values_fit_the_number_of_beads_in_any_order(values, velocity, mass):
-    """Check values with other bead numbers. Two on three has five beads like one on four, and only its first bead
-    moved.
+    """Check that a list of values fits the number of beads, in any order of the parameters.
+
+    The chain with two strikers and three targets has five beads, like the chain with one striker and four targets. In an
+    earlier version, only the first of the two strikers moved.
     """
     gap = np.eye(1, len(mass) - 1, values.get("beads.0", 1) - 1)[0]
     chain = Chain(mass, power_law(1.0, values.get("contact.alpha", 0.1)), gap)
@@ -131,7 +135,10 @@ def test_velocities_of_ones_own_stay_with_their_beads():
 
 @pytest.mark.parametrize("paths", [("lanes.0.mass", "lanes.0.mass.2"), ("lanes.0.mass.*", "lanes.0.mass.2")])
 def test_of_two_values_for_one_number_the_last_counts(paths):
-    """Check that the last value counts, and that values of one point do not remain in the next one."""
+    """Check that the last of two values for the same parameter is used.
+
+    Values of one sample point must not remain in the next point.
+    """
     points = ScenePoints(SCENE)
     for bead in (5.0, 6.0):
         (found,) = points.starts(dict(zip(paths, (2.0, bead), strict=True)))

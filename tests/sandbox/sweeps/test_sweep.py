@@ -1,4 +1,8 @@
-"""Tests of `sweep`: bitwise equal Datasets by any executor, chunks and resumption; marked failures; disks and files."""
+"""Tests of the function `sweep`, which runs a simulation for many parameter values.
+
+The resulting Dataset must be bitwise equal for every executor, chunk size and resumption. Failed points must be marked.
+The tests also check full disks and output files.
+"""
 
 import errno
 import os
@@ -48,7 +52,8 @@ def test_results_have_their_place_and_failures_their_reason(alone):
     assert np.isnan(alone["powers"].sel(n=2)[4, 2])
     assert alone["product"].attrs["units"] == "m"
     own = sweep(lambda k: {"contact_time": k}, {"k": [1]}, executor="here", units={"contact_time": "ms"})
-    assert own["contact_time"].attrs == {"units": "ms"}  # Not the unit of the built-in measure with this name.
+    # The given unit replaces the unit of the built-in measure with the same name.
+    assert own["contact_time"].attrs == {"units": "ms"}
     assert {"softcradle", "numpy", "python", "scipy", "source", "study"} <= alone.attrs.keys()
     failed = A > 0.9
     assert (alone["status"].to_numpy() == np.where(failed, PointStatus.REFUSED, PointStatus.DONE)[:, None]).all()
@@ -85,8 +90,10 @@ def test_it_is_equal_however_it_is_computed(kind, output, alone, tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no signal is blocked there")
 def test_no_process_is_begun_in_the_thread_that_hears_an_interruption(monkeypatch):
-    """Check that no process starts in the main thread. An interruption would leave it half started, with a traceback. A
-    process must also ignore interruptions while it starts.
+    """Check that no child process is started in the main thread, which receives Ctrl+C.
+
+    An interruption could leave such a process half started and print a traceback. A child process must also ignore
+    interruptions while it starts.
     """
     begun, start = [], LokyProcess.start
 
@@ -111,7 +118,11 @@ print(*(found[name].to_numpy().ravel().tolist() for name in ("status", "product"
 
 @pytest.mark.slow
 def test_a_point_that_kills_its_process_is_marked(tmp_path):
-    """Check "auto", which computes the first points in this process and leaves a note for the next start."""
+    """Check that a point that kills its process is marked as failed.
+
+    The executor "auto" computes the first points in the main process. It writes a note about the current point, which
+    the next start reads.
+    """
     x, y = (str(tmp_path / name) for name in ("x.nc", "y.nc"))
     options = {"check": False, "timeout": 300, "PYTHONPATH": str(ROOT)}
     died, *others = (python("-c", DEADLY, *words, **options) for words in ((x, "auto"), (x, "auto"), (y, "processes")))
@@ -150,7 +161,8 @@ def test_a_dataset_that_cannot_be_written_leaves_the_one_before(tmp_path, monkey
     output = tmp_path / "x.zarr"
     sweep(numbers, {"a": [0.5], "n": [1]}, output=output, executor="here").close()
     new = sweep(numbers, {"a": [0.7], "n": [1]}, executor="here")
-    gone = Mock(side_effect=lambda folder, **_: folder.rmdir())  # It leaves no file that could be moved.
+    # This mock writes no file, so there is nothing to move to the output path.
+    gone = Mock(side_effect=lambda folder, **_: folder.rmdir())
     for written in (Mock(side_effect=OSError(errno.ENOSPC, "full")), gone):
         with monkeypatch.context() as patched:
             patched.setattr(xr.Dataset, "to_zarr", written)
@@ -192,15 +204,17 @@ def test_a_failed_point_ends_a_study_and_is_repeated(tmp_path):
     for _ in range(2):
         with pytest.raises(StudyError, match=r"^a 0.95, n 2: a must be at most 0.9, not 0.95; 1 point is kept in"):
             map_points(numbers, points, kept, executor="here", chunk_seconds=0.0)
-    (row,) = map_points(numbers, grid({"a": [0.5], "n": [3]}), kept, executor="here")  # Another study starts again.
+    # A different study starts from the beginning.
+    (row,) = map_points(numbers, grid({"a": [0.5], "n": [3]}), kept, executor="here")
     assert (row["product"], partial_folder(kept).is_dir()) == (1.5, True)
     drop_kept(kept)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_points_of_a_study_arrive_one_by_one(monkeypatch):
-    """Check that no point of a study is tried in this process first. Otherwise the other cores would wait for the
-    slowest point.
+    """Check that the first point of a study is not computed in the main process.
+
+    Otherwise the other processor cores would wait for the slowest point.
     """
     begun, taken = [], []
     options = {"workers": 2, "chunk_seconds": 0.0, "each": lambda number, row: taken.append((number, row["product"]))}
@@ -226,7 +240,7 @@ class Holder:
         lambda n: partial(partial(numbers, n), 1),
         lambda n: Holder(n).call,
         lambda n: Holder([one_on(n, power_law(1.0, 0.5))]).call,
-        lambda n: eval(f"lambda a: {'a' * n}"),  # no source text, as at a prompt
+        lambda n: eval(f"lambda a: {'a' * n}"),  # The source text of a function entered at a Python prompt is unknown.
         lambda n: numbers if n == 4 else logged,
     ],
 )
@@ -268,14 +282,16 @@ def test_a_full_disk_loses_no_points(tmp_path, monkeypatch, alone, caplog):
     output = tmp_path / "x.zarr"
     options = {"executor": "here", "output": output, "units": {"product": "m"}}
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    monkeypatch.setattr(store, "fsync", Mock(side_effect=[*[None] * 7, full, *[None] * 999]))  # The third point fails.
+    # Writing the third point fails because the disk is full.
+    monkeypatch.setattr(store, "fsync", Mock(side_effect=[*[None] * 7, full, *[None] * 999]))
     with pytest.raises(StudyError, match=r"cannot write .*x.zarr.partial: no space left on device; 2 points are kept"):
         sweep(numbers, GRID, chunk_seconds=0.0, **options)
     assert [path.name for path in tmp_path.iterdir()] == ["x.zarr.partial"]
     for over, units in ({"a": [0.1], "n": [1]}, {"product": "m"}), (GRID, {"product": "mm"}):
         with pytest.raises(StudyError, match=r"x.zarr.partial was begun for another study"):
             sweep(numbers, over, executor="here", output=output, units=units)
-    (tmp_path / "x.zarr.partial" / "points" / "product" / "0.123.partial").write_bytes(b"1234")  # An interrupted write.
+    # This file imitates an interrupted write.
+    (tmp_path / "x.zarr.partial" / "points" / "product" / "0.123.partial").write_bytes(b"1234")
     begun: list[int] = []
     options["executor"] = "threads"
     with sweep(numbers, GRID, progress=lambda _, done, __: begun.append(done), **options) as found:
@@ -356,10 +372,12 @@ def test_a_measure_that_no_point_has_is_there_without_numbers():
     assert (none["rigidity"].dims, none["contact_turns"].shape) == ((SPEED,), (2, 4))
     assert np.isnan(none["contact_turns"]).all()
     one = sweep("weak-contact", {SPEED: [-1.0]}, ["rigidity", "restitution", "closings"], executor="here")
-    assert np.isnan(one["rigidity"]).values.tolist() == [[True, False]]  # Values of the two lanes.
+    # The array contains one value for each of the two rows of beads.
+    assert np.isnan(one["rigidity"]).values.tolist() == [[True, False]]
     refused = sweep(lambda k: [k], {"k": [1]}, ["rigidity", "final_velocity"], executor="here")
     assert np.isnan(refused["rigidity"].item())
-    assert "final_velocity" not in refused  # The number of beads is unknown.
+    # The array of final velocities is missing, because the number of beads is unknown.
+    assert "final_velocity" not in refused
 
 
 @pytest.mark.parametrize(
@@ -481,8 +499,8 @@ def test_points_computed_together_have_the_same_digits(scene, over, computed_alo
     alone, beside = packed(0, [*map(work.outcome, points)]), packed(0, work._at_once(points))
     for name, column in alone.columns.items():
         np.testing.assert_array_equal(beside.columns[name], column, err_msg=name)
-    # Points of one shape are computed together, even if other points are between them. Invalid points are computed one
-    # by one.
+    # Points with the same shape are computed together, even if other points are between them. Invalid points are
+    # computed one by one.
     asked = []
     monkeypatch.setattr(Work, "outcome", lambda _, values: asked.append(values))
     work._at_once(points)

@@ -1,5 +1,7 @@
-"""Tests of the claims: verdicts agree with the documentation and follow from cases and error bars; numbers known from
-elsewhere.
+"""Tests of the verdicts on the claims of the paper.
+
+The verdicts must agree with the documentation and must follow from the computed cases and their error bars. Known
+numbers from other sources are also checked.
 """
 
 import importlib
@@ -30,7 +32,8 @@ KEPT = ROOT / "docs" / "measured" / "verdicts.md"
 QUICK = ("contact-duration", "draft-gears", "kicked-out", "phi-first")
 NAMES = [claim.name if claim.name in QUICK else pytest.param(claim.name, marks=pytest.mark.slow) for claim in CLAIMS]
 VALUE = re.compile(r"(\S+) ± \S+")
-BAR = re.compile(r"\.? by the bar: .*?(?=\. |$)")  # Numbers with many digits.
+# Pattern of the part of a verdict that contains numbers with many digits.
+BAR = re.compile(r"\.? by the bar: .*?(?=\. |$)")
 
 
 def rows(text: str) -> dict[str, list[str]]:
@@ -41,8 +44,10 @@ def rows(text: str) -> dict[str, list[str]]:
 @pytest.mark.usefixtures("one_core")
 @pytest.mark.parametrize("name", NAMES)
 def test_the_command_finds_the_verdict_of_the_documentation(name, tmp_path):
-    """Check verdicts by two methods. The independent reference also judges the paper's own case. Numbers must agree to
-    1 %.
+    """Check that the command prints the verdict of the documentation and that its numbers agree to 1 %.
+
+    Each claim is computed by two methods. The case of the paper itself is also computed by an independent reference
+    method.
     """
     assert main(["claims", name, "--json", "--markdown", str(tmp_path / "table.md")]) == 0
     row, kept = rows((tmp_path / "table.md").read_text())[name], rows(KEPT.read_text())[name]
@@ -189,8 +194,9 @@ def verdicts(bars, *values):
 
 
 def test_a_verdict_says_how_it_moves_with_the_bar():
-    """Check that the text agrees with the verdict at each named bar. A claim holds if no case fails and the paper's own
-    case is determined.
+    """Check that the text of a verdict is right for each acceptance limit that it names.
+
+    A claim holds if no case fails and the case of the paper is determined.
     """
     text, found = verdicts((0.54, 0.6, 0.66, 1.4, 1.6), (0.4,), (0.6, 0.05), (2.0, 0.5))
     assert text == "by the bar: fails beyond below 0.55, holds within from 0.65, holds from 1.5"
@@ -217,7 +223,7 @@ def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
     monkeypatch.setattr(verify, "known_numbers", lambda: [wrong])
     shown = softcradle("verify", code=1).out
     assert "missed" in shown
-    assert "1e-02" in shown  # The bound in every row.
+    assert "1e-02" in shown  # The acceptance bound is printed in every row of the table.
     row = json.loads(softcradle("verify", "--json", code=1).out)["numbers"][0]
     assert row["allowed"] == 0.01
     assert row["met"] is False
@@ -225,18 +231,19 @@ def test_a_number_that_is_missed_is_said(softcradle, monkeypatch):
 
 
 def named(kind: str) -> set[str]:
-    """Return the names in backticks after `kind` or its plural, up to the next semicolon or cell."""
+    """Return the names in backticks that follow the word `kind` or its plural in the documentation."""
     lists = re.findall(rf"\b{kind}s? ((?:`[^`]+`(?:, | and | to )?)+)", PAGE)
     return {name for text in lists for name in re.findall(r"`([^`]+)`", text)}
 
 
 def test_names_in_the_documentation_exist():
     assert list(rows(KEPT.read_text())) == [claim.name for claim in CLAIMS]
-    assert named("claim") == {claim.name for claim in CLAIMS}  # No claim is missing.
+    assert named("claim") == {claim.name for claim in CLAIMS}  # The documentation names all claims.
     assert named("figure") == {figure.name for figure in FIGURES}
     assert named("scene") <= set(scenes.names())
     for path in re.findall(r"`([a-z]+/[\w/]+\.py)`", PAGE):
-        assert path.startswith("tests/")  # Modules that are not tests are named as they are imported.
+        # Only test modules are named by their path. Other modules are named as in an import.
+        assert path.startswith("tests/")
         assert (ROOT / path).is_file(), path
     for module in re.findall(r"`(softcradle\.[\w.]+)`", PAGE):
         importlib.import_module(module)

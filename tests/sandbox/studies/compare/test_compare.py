@@ -1,5 +1,7 @@
-"""Tests of `softcradle compare`: numbers against reference values, the nearest contact, the report as text, film and
-page.
+"""Tests of the command `softcradle compare`.
+
+They check its numbers against reference values, the fit of the nearest contact law, and the report as text, film and
+web page.
 """
 
 import json
@@ -28,7 +30,7 @@ from tools.browser import Browser, found
 def compared(softcradle):
     def run(*arguments):
         printed, errors = softcradle("compare", *arguments, "--json")
-        assert errors.strip() == ""  # The progress bar of a film leaves an empty line.
+        assert errors.strip() == ""  # The progress bar of a film leaves an empty line on the standard error.
         return json.loads(printed)
 
     return run
@@ -55,7 +57,8 @@ def test_the_nearest_contact_is_one_more_side(compared, tmp_path):
     content = compared(*arguments)
     names = [side["name"] for side in content["sides"]]
     assert names[:2] == ["draft_gear(770, 0.0177)", "hertz(1e+06)"]
-    assert names[2] == f"nearest: {short_text(content['match']['contact'])}"  # The film shows a rounded number.
+    # The name contains rounded numbers, as in the film.
+    assert names[2] == f"nearest: {short_text(content['match']['contact'])}"
     assert content["match"]["near"]
     assert content["match"]["residual"] < 0.05
     given, _, nearest = (side["measures"] for side in content["sides"])
@@ -83,7 +86,8 @@ def test_scenes_of_every_kind_are_compared(compared):
     sides = compared("galilean")["sides"]
     assert [s["name"] for s in sides] == ["four on one", "one on four"]
     a, b = (s["measures"] for s in sides)
-    assert a["restitution"] == pytest.approx(b["restitution"], rel=1e-6)  # Galilean invariance.
+    # The two collisions differ only by the frame of reference, so their measures must be equal.
+    assert a["restitution"] == pytest.approx(b["restitution"], rel=1e-6)
     assert a["peak_force"] == pytest.approx(b["peak_force"], rel=1e-6)
     gears, solid = (side["measures"] for side in compared("train-shunting", "train-solid")["sides"])
     assert solid["peak_force"] > 1.5 * gears["peak_force"]
@@ -108,7 +112,8 @@ def test_page_closes_its_tags_loads_nothing_and_has_every_number(page):
         for value in result.measures.final_velocity:
             assert number_text(value) in text
         assert number_text(result.measures.restitution) in text
-    assert "share of all energy" not in text  # The share refers to the energy at the start, to which a drive may add.
+    # The energy at the start is not a useful reference, because an external force may add energy.
+    assert "share of all energy" not in text
     bars = re.findall(r"<title>0-1 (open|touching) (\S+) to (\S+) ms</title>", text)[:3]
     assert [state for state, *_ in bars] == ["open", "touching", "open"]
     assert bars[0][2] == bars[1][1]
@@ -142,9 +147,12 @@ def test_page_in_a_browser(page, tmp_path):
             rows = [np.interp(moment, result.trajectory.time, column) for column in result.trajectory.velocity.T]
             np.testing.assert_allclose(shown, rows, atol=2e-3)
         times = browser.run("page.charts.map((chart) => chart.timeAt(chart.across(page.source.time)))")
-        assert times == pytest.approx([moment] * 2 * len(results))  # Velocities and forces of each lane.
+        # The page shows the velocities and the forces of each row of beads.
+        assert times == pytest.approx([moment] * 2 * len(results))
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
-        assert tables == [1 + 13 + 5, 4, 4, 4]  # No contact rings; there are four velocities and their accuracy.
+        # The first table lacks a line about oscillations of forces, because no force oscillates. It contains four final velocities and their
+        # accuracy.
+        assert tables == [1 + 13 + 5, 4, 4, 4]
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
         assert browser.run(fits)
         browser.device(390, 844)
@@ -183,8 +191,10 @@ pull = {law = "draft_gear", stiffness = 10.0, precompression = 0.1, loss = 0.5}
 
 
 def test_charts_of_couplers_agree_with_tables(tmp_path):
-    """Check couplers. Pulled contacts were shown as touching, and pushing contacts unloaded with the loss of the
-    pulling gear.
+    """Check that the charts and the tables of a comparison agree for couplers.
+
+    In an earlier version, a chart showed pulled contacts as touching. It also computed the unloading of pushing
+    contacts with the loss of the pulling gear.
     """
     path = tmp_path / ("pulled\udcff.toml" if sys.platform == "linux" else "pulled.toml")
     path.write_text(PULLED)

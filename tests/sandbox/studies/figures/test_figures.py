@@ -1,5 +1,6 @@
-"""Tests of figures: complete files, readable in print; captions of Figs. 1 and 2, App. B and of the trains agree with
-the tables.
+"""Tests of the figures. The files must be complete and readable in print.
+
+The captions of Fig. 1, Fig. 2, App. B and the figures of trains must agree with the tables.
 """
 
 from dataclasses import replace
@@ -21,16 +22,18 @@ from softcradle.sandbox.studies.verify import FINAL
 from tests.helpers.figure_layout import keys_on_curves, unnamed_colours, unreadable
 from tests.sandbox.studies.figures.conftest import columns, forces
 
-# A table of one curve, of two methods, of a mode, and of a coupler. The other figures are slow tests, run by `make
-# test-all`.
+# These four figures are tested by default. They show one curve, a comparison of two methods, a vibration mode, and a
+# coupler. Tests of the other figures are slow and run with `make test-all`.
 KINDS = ("2a", "1b", "exchange", "stop")
 NAMES = [one.name if one.name in KINDS else pytest.param(one.name, marks=pytest.mark.slow) for one in FIGURES]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_figure_files_are_complete_and_readable(tables, name, tmp_path):
-    """Check the layout: every curve has a name; no text below 6 points, outside the figure, on other text or on a
-    curve; no key on a curve.
+    """Check that the figure files are complete and that the layout is readable.
+
+    Every curve has a name. No text is smaller than 6 points, outside the figure, or on another text or a curve. No
+    legend covers a curve.
     """
     (figure,), table = figures_named([name]), tables(name)
     paths = write_figure(replace(figure, table=lambda: table), tmp_path)
@@ -39,7 +42,7 @@ def test_figure_files_are_complete_and_readable(tables, name, tmp_path):
         assert min(image.size) > 700
         dark = np.asarray(image.convert("L")) < 128
         assert 0.002 < dark.mean() < 0.3
-        assert not dark[[0, -1]].any()  # Nothing is cut off at the edges.
+        assert not dark[[0, -1]].any()  # Dark pixels at an edge would mean that a part of the figure is cut off.
         assert not dark[:, [0, -1]].any()
     assert paths[1].read_bytes().startswith(b"%PDF")
     header, _, rows = paths[2].read_text(encoding="utf-8").partition("\n")
@@ -53,15 +56,16 @@ def test_figure_files_are_complete_and_readable(tables, name, tmp_path):
     assert not [axes for axes in picture.axes if axes.xaxis_inverted() or axes.yaxis_inverted()]
     width, height = picture.get_size_inches() * 25.4
     assert width <= 178.0 + 1e-9
-    assert height <= 240.0  # Height of the page [mm].
+    assert height <= 240.0  # The height of the printed page is 240 mm.
 
 
 def test_the_figures_command_reuses_stored_tables(tables, tmp_path, monkeypatch, softcradle):
-    listed = " ".join(softcradle("figures", "--list").out.split())  # Long captions continue in the next line.
+    # Long captions are wrapped, so the lines are joined before the search.
+    listed = " ".join(softcradle("figures", "--list").out.split())
     assert all(figure.caption in listed for figure in FIGURES)
     stop = Mock(side_effect=[None, KeyboardInterrupt])
     wanted, folder = figures_named(["2a", "exchange", "2a"]), tmp_path / "new" / "folder"
-    # Compute it before one of the tables can no longer be computed.
+    # Compute the expected tables first. Later in the test, one of the tables can no longer be computed.
     expected = [[*tables(figure.name).items()] for figure in wanted]
     with filled_folder(folder), pytest.raises(KeyboardInterrupt):
         list(compute_tables(wanted, folder / KEPT, stop, 1))
@@ -76,7 +80,7 @@ def test_the_figures_command_reuses_stored_tables(tables, tmp_path, monkeypatch,
 def test_figure_1_shows_ordered_beads_and_a_smaller_deviation_of_v1(tables):
     table = tables("1b")
     positions = columns(table, "x", 5)
-    assert (np.diff(positions, axis=1) > 0.0).all()  # x0 ... x4 from bottom to top.
+    assert (np.diff(positions, axis=1) > 0.0).all()  # The beads are ordered from x0 at the bottom to x4 at the top.
     before = table["t"] <= 0.0
     np.testing.assert_array_equal(positions[before, 1:], positions[:1, 1:].repeat(before.sum(), axis=0))
     behind = []
@@ -110,8 +114,10 @@ def test_2c_a_thousandth_but_for_the_last_part(tables):
     assert np.abs(table["f12"]).max() < 1e-3
     early = table["t"] < 0.97 * table["t"][-1]
     assert np.abs(table["f01"][early]).max() < 1e-3
-    assert (table["f01"] < 1e-8).all()  # The striker of the model pushes longer.
-    assert (np.diff(np.sign(table["f12"])) != 0).sum() == 1  # From - to +.
+    # In the approximate model, the striker pushes longer than in the full equations.
+    assert (table["f01"] < 1e-8).all()
+    # The approximation error changes its sign exactly once, from negative to positive.
+    assert (np.diff(np.sign(table["f12"])) != 0).sum() == 1
     assert table["f12"][0] < 0.0 < table["f12"][-1]
 
 
@@ -121,7 +127,7 @@ def test_2d_rises_as_powers(tables):
     assert (np.diff(full, axis=1) < 0.0).all()
     np.testing.assert_allclose(model[:, 0], full[:, 0], rtol=1e-4)
     np.testing.assert_allclose(model[:, 1], full[:, 1], rtol=3e-3)
-    first = slice(0, 41)  # Two decades.
+    first = slice(0, 41)  # The first 41 samples cover two decades of time.
     for i, power in enumerate((0.1, 0.21)):
         slope = np.polyfit(np.log(table["t"][first]), np.log(full[first, i]), 1)[0]
         assert slope == pytest.approx(power, abs=2e-3)
@@ -129,8 +135,10 @@ def test_2d_rises_as_powers(tables):
 
 @pytest.mark.slow
 def test_the_discrepancy_of_appendix_b_is_small(tables):
-    """Check the sign change near the end at (1/10, 3). It is real, because the inner contact opens before the striker
-    leaves.
+    """Check that the approximation error in App. B is small and changes its sign near the end for alpha = 1/10 and n =
+    3.
+
+    The sign change is real, because the inner contact opens before the striker separates.
     """
     assert np.nanmax(np.abs(rows_where(tables("B"), alpha=1 / 14)["discrepancy"])) < 0.13
     curve = rows_where(tables("B"), n=3, alpha=1 / 10, i=2)
@@ -141,11 +149,14 @@ def test_the_discrepancy_of_appendix_b_is_small(tables):
 
 
 def test_the_solid_stop_multiplies_the_force(tables):
-    """Check the share of force that elastic wagons take: a twentieth below the stop and a sixth above, as the figure
-    and the docs say.
+    """Check by how much elastic wagons reduce the force of a collision of trains.
+
+    The reduction is a twentieth below the solid stop and a sixth above it, as stated in the figure and in the
+    documentation.
     """
     endless, rigid, elastic = (rows_where(tables("stop"), train=number) for number in range(3))
-    below = endless["speed"] < 2.54  # Speed [m/s] at which one wagon on ten uses the whole travel of the first gear.
+    # At a speed of 2.54 m/s, the first gear uses its whole travel in the collision of one wagon with ten.
+    below = endless["speed"] < 2.54
     np.testing.assert_allclose(rigid["force"][below], endless["force"][below], rtol=1e-6)
     assert rigid["force"][-1] > 2.3 * endless["force"][-1]
     less = 1.0 - elastic["force"] / rigid["force"]
@@ -160,4 +171,5 @@ def test_trains_have_in_train_forces_and_start_in_turn(tables):
     wagons = [name for name in table if name not in ("t", "locomotive")]
     starts = [table["t"][np.argmax(table[name] > 0.01)] for name in wagons]
     np.testing.assert_allclose(np.diff(starts), 0.175, atol=0.075)
-    assert np.ptp([table[name][-1] for name in table if name != "t"]) < 1e-3  # At the end all have the same velocity.
+    # At the end, the locomotive and all wagons have the same velocity.
+    assert np.ptp([table[name][-1] for name in table if name != "t"]) < 1e-3

@@ -1,4 +1,7 @@
-"""Tests of the other figures: their tables agree with their captions. They show limits, scans, variants and trains."""
+"""Tests of the figures that are not in the paper. They show limits, parameter scans, variants of the chain, and trains.
+
+The tables of the figures must agree with their captions.
+"""
 
 import numpy as np
 import pytest
@@ -9,11 +12,10 @@ from softcradle.scenes import load
 
 from tests.sandbox.studies.figures.conftest import columns, forces
 
-pytestmark = pytest.mark.slow  # The tables take seconds to a minute.
+pytestmark = pytest.mark.slow  # These tests are slow because computing a table takes up to a minute.
 
 
-# Step of 1/alpha. Lines between samples this close miss velocities by less than 0.005, half a line width where curves
-# are jagged. With steps of 0.4 they miss more.
+# Step of 1/alpha between two samples of a velocity curve. With this step, linear interpolation is wrong by less than 0.005, even if the curve is jagged. This is half the width of a line. With a step of 0.4, the error is larger.
 DENSE = 0.11
 
 
@@ -47,7 +49,8 @@ def test_limits_of_small_alpha(tables):
         assert (np.diff(points["max psi"]) < 0.0).all()
         assert points["contact time"][-1] == pytest.approx(scaling.contact_time_limit(n), rel=0.02)
         assert np.isfinite(points["contact time"]).all()
-        # Over the sizes, psi itself varies by dozens of orders of magnitude.
+        # The ratio of psi to its limit is tested only roughly. Psi itself varies by dozens of orders of magnitude with
+        # the number of beads.
         assert 0.1 < points["max psi"][-1] / scaling.psi_limit(n, 1 / 200) < 10.0
         response = points["response time"] * np.sqrt(points["alpha"]) * (n / (n - 1)) ** (0.5 / points["alpha"])
         assert response[-2] == pytest.approx(response[-1], rel=0.05)
@@ -58,11 +61,12 @@ def test_in_train_forces_decrease_along_the_train(tables):
     for number, (struck, last) in enumerate(((1, 10), (5, 14))):
         blows = rows_where(table, train=number, coupling=struck)
         assert (np.diff(blows["force"]) > 0.0).all()
-        assert (blows["travel"] <= 1e3 * coupling.travel).sum() == 5  # Up to 2.5 m/s.
+        # The travel of the coupler is sufficient up to a speed of 2.5 m/s.
+        assert (blows["travel"] <= 1e3 * coupling.travel).sum() == 5
         for speed in train.SPEEDS:
             behind = rows_where(table, train=number, speed=speed)["force"][struck - 1 : last]
             assert (np.diff(behind) <= 1e-9).all()
-    # Below the preload a gear only touches.
+    # A draft gear does not yield below its preload, so the force is at least the preload.
     forces = np.maximum(coupling.preload, coupling.force(1e-3 * table["travel"]))
     np.testing.assert_allclose(np.maximum(table["force"], 1e-3 * coupling.preload), 1e-3 * forces, rtol=5e-3)
 
@@ -75,7 +79,7 @@ def test_a_driven_cluster_oscillates_like_the_model(tables):
     assert (np.diff(np.sign(np.diff(psi))) < 0).sum() == wave.PERIODS
     beads = np.column_stack([table[f"v{i} - V"] for i in (1, 2, 3, 4)])
     np.testing.assert_allclose(beads.sum(axis=1), 0.0, atol=1e-9)
-    # Beads 2 to 4 move together relative to the first bead.
+    # The velocities of beads 2 to 4 differ little in comparison with the oscillation of the first bead.
     assert np.ptp(beads[:, 1:], axis=1).max() < 0.1 * np.ptp(beads[:, 0])
     table = tables("driven-scan")
     np.testing.assert_allclose(table["period full"], table["period model"], rtol=0.06)
@@ -108,15 +112,16 @@ def test_the_softer_the_slower_the_gear_that_does_the_same(tables):
     at_tenth = int(np.argmin(np.abs(four["alpha"] - 0.1)))
     assert four["V over v_c"][at_tenth] == pytest.approx(1.26, abs=0.08)
     assert np.nanmax(table["apart"]) < 0.07
-    # At the end of the range, the best ratio may lie outside it.
+    # The best ratio must be inside the scanned range. At the end of the range, the true optimum could be outside.
     assert np.nanmax(table["V over v_c"]) < coupler.RATIOS[-1]
 
 
 def test_disorder_breaks_the_cradle_and_weak_clusters(tables):
     table = tables("disorder")
     load, spreads = disorder.loads_and_spreads(table, disorder.SOFT)
-    assert spreads[load < 0.84].max() < 0.01  # Contacts that are strong enough: rigid-like.
-    assert spreads[load > 1.0].min() > 0.1  # Contacts that are too weak.
+    # If the contacts are strong enough, the cluster moves almost like a rigid body.
+    assert spreads[load < 0.84].max() < 0.01
+    assert spreads[load > 1.0].min() > 0.1  # If the contacts are too weak, the velocities of the cluster differ.
     assert disorder.loads_and_spreads(table, disorder.CRADLE)[1].min() > 0.5
     homogeneous = rows_where(table, kind=disorder.CRADLE, chain=0)["v"]
     last = [rows_where(table, kind=disorder.CRADLE, chain=k)["v"][-1] for k in range(1, disorder.CHAINS + 1)]
@@ -142,7 +147,8 @@ def test_only_evanescent_clusters_carry_no_waves(tables):
     assert turns["springs"] > 10
     assert turns["prestressed"] > 4
     for kind, prestress in (("springs", wave.SPRING_PRESTRESS), ("prestressed", wave.SOFT_PRESTRESS)):
-        assert all((table[f"f{i}{i + 1} {kind}"] > -prestress).all() for i in (1, 2, 3))  # No contact ever opens.
+        # The total force of each contact stays positive, so no contact opens.
+        assert all((table[f"f{i}{i + 1} {kind}"] > -prestress).all() for i in (1, 2, 3))
     late = table["t springs"] > 2.0
     assert np.column_stack([table[f"v{i} springs"][late].mean() for i in range(1, 5)]) == pytest.approx(0.4, abs=0.02)
 

@@ -1,4 +1,7 @@
-"""Tests of `design`: known optima, comparison with uniform values, stated values with their errors, and the command."""
+"""Tests of the function `design`, which chooses parameters of a chain for a given goal.
+
+They check known optima, the comparison with uniform values, given target values with their errors, and the command.
+"""
 
 import json
 import math
@@ -33,7 +36,7 @@ def test_the_best_mass_between_two_is_their_geometric_mean():
     scene = scene_of(Chain([4.0, 2.5, 1.0], hertz(1e4), gap=[0.0, 1.0]), [1.0, 0.0, 0.0])
     found = design(scene, "most momentum of bead 2", ["lanes.0.mass[1]=0.5..5"])
     assert found.values[0] == pytest.approx(2.0, rel=1e-3)
-    best = 1.0 * (2 * 4 / 6) * (2 * 2 / 3)  # velocity after two elastic collisions
+    best = 1.0 * (2 * 4 / 6) * (2 * 2 / 3)  # Exact velocity after two elastic collisions.
     assert found.reached[0] == pytest.approx(best, rel=1e-6)
     assert found.reached[0] > found.before[0]
     again = design(scene, "momentum of bead 2", ["lanes.0.mass[1]=0.5..5"])
@@ -42,7 +45,10 @@ def test_the_best_mass_between_two_is_their_geometric_mean():
 
 
 def test_separate_values_are_better_than_uniform_ones():
-    """Design two masses between 8 and 1: they are 4 and 2. One common mass, sqrt(8), passes less momentum."""
+    """Check the design of two masses between a bead of mass 8 and a bead of mass 1.
+
+    The optimal masses are 4 and 2. Two equal masses of sqrt(8) transfer less momentum.
+    """
     scene = scene_of(Chain([8.0, 3.0, 3.0, 1.0], hertz(1e4), gap=0.2), [1.0, 0.0, 0.0, 0.0])
     free = ["lanes.0.mass[1]=0.5..10", "lanes.0.mass[2]=0.5..10"]
     assert math.isnan(design(scene, "most velocity of bead 3", free).uniform)
@@ -57,13 +63,17 @@ def test_separate_values_are_better_than_uniform_ones():
 
 
 def test_a_stated_value_is_reached_with_the_error_of_its_range():
-    """Fit the loss of one contact to the velocity of the struck bead: v = (1 + sqrt(1 - loss)) / 2 for equal masses."""
+    """Fit the loss of one contact to a given velocity of the bead that is hit.
+
+    For equal masses, the velocity is v = (1 + sqrt(1 - loss)) / 2.
+    """
     scene = scene_of(Chain([1.0, 1.0], hertz(100.0, loss=0.1)), [1.0, 0.0])
     found = design(scene, "velocity of bead 1 = 0.9", ["lanes.0.contact.loss"])
     assert found.values[0] == pytest.approx(1.0 - 0.8**2, rel=1e-6)
     assert math.isnan(found.errors[0])
     found = design(scene, "velocity of bead 1 = 0.88..0.92", ["lanes.0.contact.loss"])
-    assert found.errors[0] == pytest.approx(4.0 * 0.8 * 0.02, rel=1e-3)  # |d loss / d v| = 4 sqrt(1 - loss)
+    # The error of the loss follows from the derivative |d loss / d v| = 4 sqrt(1 - loss).
+    assert found.errors[0] == pytest.approx(4.0 * 0.8 * 0.02, rel=1e-3)
     assert found.scene.lanes[0].contact.loss == found.values[0]
     far = design(scene, "velocity of bead 1 = 2", ["lanes.0.contact.loss"])
     assert far.statements[0].endswith("not reached")

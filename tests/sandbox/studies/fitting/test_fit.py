@@ -1,4 +1,8 @@
-"""Tests of `fit`: fitted values and error bars, what data cannot determine, columns of data, and the command."""
+"""Tests of the function `fit`, which fits parameters of a chain to measured data.
+
+They check fitted values and error bars, parameters that the data cannot determine, the columns of the data, and the
+command.
+"""
 
 import json
 import math
@@ -21,7 +25,7 @@ def scene_of(chain, velocity, **settings):
 
 
 def noisy(chain, velocity, duration, count, level, quantities=("velocity",), seed=1):
-    """Return data of a motion with normal noise of this standard deviation."""
+    """Return samples of a simulated motion with added normal noise. The standard deviation of the noise is `level`."""
     draw = np.random.default_rng(seed)
     time = np.linspace(0.0, duration, count)
     run = simulate(chain, velocity, duration, samples=time, tolerance=1e-10)
@@ -48,7 +52,7 @@ def test_error_bars_hold_the_truth_and_scale_with_the_noise():
 
 
 def test_the_covariance_is_that_of_a_linear_problem():
-    """Compare with the closed form for a straight line: errors and correlation of its two coefficients."""
+    """Compare the fit of a straight line with its closed form: the errors of both coefficients and their correlation."""
     x = np.linspace(0.0, 1.0, 50)
     free = [FreeValue(name, name, 1.0, -math.inf, math.inf, 1.0, False) for name in ("a", "b")]
     found = determine(free, np.zeros(2), np.stack([np.ones(50), x], axis=1), 0.04, 0.0)
@@ -59,7 +63,10 @@ def test_the_covariance_is_that_of_a_linear_problem():
 
 
 def test_random_cases_of_all_contacts_are_covered():
-    """Fit the first cases of the benchmark. Of 24 cases, a wrong error bar by a factor of 2 would miss this bound."""
+    """Fit the first random cases of the benchmark and check their error bars.
+
+    With 24 cases, error bars that are wrong by a factor of 2 would exceed the bound of this test.
+    """
     cases = [coverage.case_of(number, 1).solve() for number in range(24)]
     report = coverage.summary(cases)
     assert report.data["values"] > 35
@@ -75,14 +82,15 @@ def test_what_the_data_cannot_determine_is_said():
     found = fit(start, data, ["lanes.0.contact.stiffness", "lanes.0.contact.loss"])
     assert found.determined.tolist() == [False, True]
     assert any("lanes.0.contact.stiffness" in sentence and "determine" in sentence for sentence in found.statements)
-    # Only the ratios of masses and stiffness act on positions.
+    # The positions depend only on the ratios of the masses and the stiffness, so these three values cannot be
+    # determined separately.
     data = noisy(Chain([0.2, 0.3], hooke(500.0), gap=0.05), [1.0, 0.0], 0.5, 100, 1e-4, ("position",))
     start = scene_of(Chain([0.2, 0.25], hooke(400.0), gap=0.05), [1.0, 0.0])
     found = fit(start, data, ["lanes.0.mass[:]", "lanes.0.contact.stiffness"])
     assert not found.determined.any()
     together = "only a combination of lanes.0.mass.0 and lanes.0.mass.1 and lanes.0.contact.stiffness"
     assert together in " ".join(found.statements)
-    # A value beyond its bound.
+    # The true mass is outside the given bounds, so the fit ends at a bound.
     found = fit(start, data, ["lanes.0.mass[1]=0.21..0.28"])
     assert not found.determined[0]
     assert found.statements[0] == (
@@ -91,7 +99,7 @@ def test_what_the_data_cannot_determine_is_said():
 
 
 def test_start_offset_and_marker_names():
-    """Fit positions with unknown origins and start time. Their columns are sorted from left to right."""
+    """Fit positions whose origins and start time are unknown. The columns are sorted from left to right."""
     truth = Chain([0.2, 0.3], hooke(300.0, loss=0.36))
     time = np.arange(0.0, 1.5, 0.005)
     run = simulate(truth, [0.3, -0.2], 1.0, samples=np.clip(time - 0.7, 0.0, 1.0))
@@ -130,7 +138,7 @@ CHAIN = Chain([1.0, 1.0, math.inf], hooke(1.0))
         (("v0", "v2"), [0, 2]),
         (("v1", "v2", "v3"), [0, 1, 2]),
         (("velocity 1", "velocity 0"), [0, 1]),
-        (("left x (mm)", "right x (mm)"), [0, 1]),  # The wall is not measured.
+        (("left x (mm)", "right x (mm)"), [0, 1]),  # The position of the wall is not measured.
     ],
 )
 def test_columns_belong_to_beads(names, places):
@@ -198,7 +206,7 @@ MARKER_NAMES\tNew 0000\tNew 0001
 
 @pytest.fixture
 def gliders(tmp_path):
-    """Write two synthetic recordings of gliders as Qualisys exports them, and the scene."""
+    """Write two synthetic recordings of gliders in the export format of Qualisys, and the scene file."""
     truth = Chain([0.2, 0.3], hooke(300.0, loss=0.36))
     paths = []
     for number, speeds in enumerate(([0.3, -0.2], [0.4, 0.0])):
@@ -241,7 +249,8 @@ def test_the_command_writes_scene_figure_and_numbers(softcradle, gliders, tmp_pa
         "start", "offset of New 0000 X", "offset of New 0001 X", "lanes.0.velocity.0", "lanes.0.velocity.1",
         "lanes.0.contact.loss",
     }  # fmt: skip
-    assert numbers["statements"]  # The stiffness of the scene is wrong, so the residuals are not random.
+    # The stiffness of the scene is wrong, so the residuals are not random and the fit reports this.
+    assert numbers["statements"]
     assert all(path.stat().st_size > 100 for path in outputs)
 
 

@@ -1,5 +1,6 @@
-"""Tests of the work-precision chart: measured points of our solvers and of peers, its picture, and the command that
-draws it.
+"""Tests of the chart of computing time against accuracy.
+
+They check the measured points of our methods and of other packages, the picture, and the command that draws it.
 """
 
 import csv
@@ -54,7 +55,8 @@ def test_every_method_has_a_solver(case):
 
 
 def test_errors_are_averaged_over_the_start_phase(case):
-    truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")  # Solution in quadruple precision.
+    # This reference solution was computed with quadruple precision.
+    truth = next(truth for truth in ELASTIC if truth.name == "one on 4, alpha 1/10")
     assert (case.truth == truth.final).all()
     assert case.uncertainty == 0.0
     assert case.error(case.truth + np.array([0, 0, 1e-3, 0, 0])) == pytest.approx(1e-3)
@@ -62,7 +64,9 @@ def test_errors_are_averaged_over_the_start_phase(case):
     solver, steps = our_solver(case, "verlet", 120.0), 120.0
     (point,) = measure_series(case, solver, limits=SHORT_LIMITS).points
     errors = [case.error(solver.run(steps, start, NO_SAMPLES).velocity) for start in solver.starts(case, steps)]
-    assert np.ptp(errors) > 0.1 * point.error  # The error at a single phase of the start is a matter of chance.
+    # The error depends on the phase between the time steps and the collision. A single phase would give a random
+    # result.
+    assert np.ptp(errors) > 0.1 * point.error
     assert point.error == pytest.approx(np.sqrt(np.mean(np.square(errors))))
     assert point.evaluations == pytest.approx(120, abs=3)
 
@@ -90,7 +94,8 @@ def test_series_and_cases_keep_their_time_limits(case, monkeypatch):
     monkeypatch.setattr(measurement, "measure_series", lambda *a: shares.append(a[3].series) or made)
     measurement.measure_case(case, [solver] * 4, limits=TimeLimits(1.0, 10.0, 8.0))
     assert shares[0] == pytest.approx(2.0)
-    assert shares[-1] == pytest.approx(8.0, abs=0.5)  # The last series gets the time that the others have not used.
+    # The last series gets the time that the other series have not used.
+    assert shares[-1] == pytest.approx(8.0, abs=0.5)
 
 
 def test_a_peer_that_raises_has_given_up(case, tmp_path):
@@ -107,7 +112,9 @@ def test_a_peer_that_raises_has_given_up(case, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["one-on-5", "hertz-100", "gear-above"])
 def test_every_truth_is_from_outside(name):
-    """Compare the reference solutions with two of our methods, within their estimated errors."""
+    """Compare two of our methods with the independent reference solutions. They must agree within their estimated
+    errors.
+    """
     solved, ours = DEFINITIONS[name].solve(), DEFINITIONS[name].solve(by_reference=False)
     assert 0.0 < solved.uncertainty < 1e-10
     assert "scipy at" in solved.source
@@ -132,15 +139,17 @@ def test_an_earlier_start_ends_the_same(case):
         assert found.contact_intervals[0][0][0] == pytest.approx(start.early, abs=1e-12)
     verlet = our_solver(case, "verlet")
     first, second = (verlet.run(30000.0, start, case.sample_times) for start in case.starts([0.0, 0.25]))
-    assert np.median(np.abs(first.force - second.force)) < 1e-3  # The samples are shifted by the same time.
+    # The sample times are shifted together with the start time, so the forces agree.
+    assert np.median(np.abs(first.force - second.force)) < 1e-3
     assert error_of(case, "forces", second) < 0.02
-    velocity = np.array([1.0, 0.0, 0.1])  # These beads cannot start earlier.
+    # At the start, bead 2 moves away from bead 1. At an earlier time, they would overlap.
+    velocity = np.array([1.0, 0.0, 0.1])
     parting = CaseDefinition("parting", "parting", lambda: one_on(2, power_law(1.0, 0.1)), velocity=velocity)
     solved = parting.solve(by_reference=False)
-    assert 0.0 < solved.uncertainty < 1e-10  # Two ways to the reference solution agree.
+    assert 0.0 < solved.uncertainty < 1e-10  # The reference solution is computed in two ways that agree.
     assert f"radau at {TRUTH_TOLERANCE:g}" in solved.source
     assert len(solved.starts([0.1, 0.2])) == 1
-    # The same holds for chains that would not be in free flight before.
+    # The start cannot be moved back for these chains either. Before the start, forces would already act on the beads.
     for chain in (SLIDING, PUSHED, BRAKED, PULLED):
         acted_on = replace(case, chain=chain, velocity=np.eye(1, chain.contacts + 1)[0])
         assert len(acted_on.starts([0.1, 0.2])) == 1
@@ -170,7 +179,7 @@ needs_numba = pytest.mark.skipif(
 def test_peers_integrate_mixed_chains(monkeypatch):
     monkeypatch.setattr(
         "softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", np.inf
-    )  # Remove the limit of one second, which is too short on a busy machine.
+    )  # Remove the time limit of one second, which is too short on a busy computer.
     contacts = [power_law(1.0, 0.1), hertz(2.0), power_law(3.0, 1.0)]
     chain = Chain([1, 2, 0.5, np.inf], contacts, 0.0, [0.5, 0, 0.25, 0])
     unlike = CaseDefinition("unlike", "unlike", lambda: chain, 1.0, velocity=np.array([1.0, 0.5, 0.3, 0.0])).solve()
@@ -188,15 +197,15 @@ def test_verlet_by_hand_is_verlet(case):
     assert found == pytest.approx(our_solver(case, "verlet").run(500.0, start, NO_SAMPLES).velocity, abs=1e-12)
 
 
-# CyRK compiles for half a minute and runs only in `make bench`. Radau of SciPy does not reach a small error in the time
-# limit.
+# The package CyRK is left out, because it compiles for half a minute. It runs only in `make bench`. The method Radau of
+# SciPy is left out, because it does not reach a small error within the time limit.
 @needs_numba
 @pytest.mark.parametrize("peer", [peer for peer in PEERS if peer.name != "CyRK"], ids=lambda peer: peer.name)
 def test_an_installed_peer_reaches_the_truth(case, peer, monkeypatch):
     pytest.importorskip(peer.package)
     monkeypatch.setattr(
         "softcradle.sandbox.studies.precision.peers.integrators.TIME_LIMIT", np.inf
-    )  # Remove the limit of one second, which is too short on a busy machine.
+    )  # Remove the time limit of one second, which is too short on a busy computer.
     solver = next(solver for solver in peer.solvers(case)[::-1] if solver.name != "SciPy Radau")
     fineness = 30000.0 if solver.steps else 1e-12 if solver.name == "CVODE BDF" else 1e-10
     start = case.starts([0.0])[0]
@@ -238,7 +247,8 @@ def test_labels_and_stamp_of_a_chart_are_readable(case):
         (shown,) = [text for text in picture.texts if text.get_gid() == "stamp"]
         place = shown.get_window_extent()
     labels = [box for text, box in zip(texts, boxes, strict=True) if text.get_gid() == "label"]
-    assert [box.count_overlaps(labels) for box in labels] == [1] * 2 * len(series)  # Each label overlaps only itself.
+    # Each label overlaps only its own box.
+    assert [box.count_overlaps(labels) for box in labels] == [1] * 2 * len(series)
     assert max(box.x1 for box in labels) < picture.bbox.x1
     assert shown.get_text() == stamp
     assert place.count_overlaps(boxes) == 0
