@@ -11,8 +11,8 @@ from softcradle import scenes
 from tools.browser import Browser
 from tools.browser import found as chromium
 
-# Web page with a model that imitates the model of anywidget. The list `sent` contains the states that the
-# model would send to Python.
+# Web page with a model that imitates the model of anywidget. The list `sent` contains the states that the model would
+# send to Python.
 MODEL = """<!doctype html><title>notebook</title><link rel="icon" href="data:,"><div id="cell"></div><script>
 const values = {text: %s, height: 500}, sent = [], listeners = [];
 const model = {get: (name) => values[name], set: (name, value) => { values[name] = value; },

@@ -87,8 +87,8 @@ def process(tmp_path_factory):
 def browser(process):
     """Return a browser that shows an empty page.
 
-    After each test, check that the energy of the simulation is balanced and that the console is empty. Hints
-    about reading the pixels of a canvas are ignored.
+    After each test, check that the energy of the simulation is balanced and that the console is empty. Hints about
+    reading the pixels of a canvas are ignored.
     """
     process.fresh()
     yield process
@@ -118,7 +118,9 @@ def velocities(browser, lane=0):
 
 
 def hold_the_clock(browser):
-    """Stop the clock of the page. Only calls of `pictures` advance the time, so the result does not depend on the load of the computer."""
+    """Stop the clock of the page. Only calls of `pictures` advance the time, so the result does not depend on the load
+    of the computer.
+    """
     browser.run("page.again(), page.pause(), page.next = () => 0, window.clock = 0")
 
 

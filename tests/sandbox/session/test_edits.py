@@ -1,6 +1,7 @@
 """Tests of edits of a running session, including undo and redo.
 
-They check which values an edit changes and which values it must not change. They also check in which tables and panels a number can be edited.
+They check which values an edit changes and which values it must not change. They also check in which tables and panels
+a number can be edited.
 """
 
 import math
@@ -46,8 +47,8 @@ def test_a_new_mass_or_velocity_of_one_bead_changes_no_other(bead):
 def test_gaps_go_until_a_coupler_that_pulls_is_solid():
     """Check the upper limit of the gap between two wagons.
 
-    At this limit, the coupler has pulled its springs solid. In an earlier version, the limit was two lengths of a wagon. At that distance, the stop of the coupler already
-    pulled.
+    At this limit, the coupler has pulled its springs solid. In an earlier version, the limit was two lengths of a
+    wagon. At that distance, the stop of the coupler already pulled.
     """
     ends = [parameters(Session(load(name)), 0, "contact", 2)[-1].high for name in ("train-starting", "train-shunting")]
     assert ends == pytest.approx([0.04 + 0.166, 2.0 * 14.0 + 0.04])

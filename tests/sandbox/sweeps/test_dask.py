@@ -17,7 +17,8 @@ from tests.helpers.paths import ROOT
 from tests.helpers.swept import LOG, logged
 
 json_load_robust = pytest.importorskip("distributed.utils").json_load_robust
-# Dask keeps threads and connections open, and the test interrupts connections on purpose. The test therefore runs in a separate process.
+# Dask keeps threads and connections open, and the test interrupts connections on purpose. The test therefore runs in a
+# separate process.
 pytestmark = [pytest.mark.own_process, pytest.mark.filterwarnings("ignore")]
 
 COUNT = 300

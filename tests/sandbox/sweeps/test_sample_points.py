@@ -118,8 +118,8 @@ velocity = [1.0, 0.0, 0.0]
 def test_values_fit_the_number_of_beads_in_any_order(values, velocity, mass):
     """Check that a list of values fits the number of beads, in any order of the parameters.
 
-    The chain with two strikers and three targets has five beads, like the chain with one striker and four targets. In an
-    earlier version, only the first of the two strikers moved.
+    The chain with two strikers and three targets has five beads, like the chain with one striker and four targets. In
+    an earlier version, only the first of the two strikers moved.
     """
     gap = np.eye(1, len(mass) - 1, values.get("beads.0", 1) - 1)[0]
     chain = Chain(mass, power_law(1.0, values.get("contact.alpha", 0.1)), gap)

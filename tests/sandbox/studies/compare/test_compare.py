@@ -150,8 +150,8 @@ def test_page_in_a_browser(page, tmp_path):
         # The page shows the velocities and the forces of each row of beads.
         assert times == pytest.approx([moment] * 2 * len(results))
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
-        # The first table lacks a line about oscillations of forces, because no force oscillates. It contains four final velocities and their
-        # accuracy.
+        # The first table lacks a line about oscillations of forces, because no force oscillates. It contains four final
+        # velocities and their accuracy.
         assert tables == [1 + 13 + 5, 4, 4, 4]
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
         assert browser.run(fits)

@@ -15,7 +15,8 @@ from tests.sandbox.studies.figures.conftest import columns, forces
 pytestmark = pytest.mark.slow  # These tests are slow because computing a table takes up to a minute.
 
 
-# Step of 1/alpha between two samples of a velocity curve. With this step, linear interpolation is wrong by less than 0.005, even if the curve is jagged. This is half the width of a line. With a step of 0.4, the error is larger.
+# Step of 1/alpha between two samples of a velocity curve. With this step, linear interpolation is wrong by less than
+# 0.005, even if the curve is jagged. This is half the width of a line. With a step of 0.4, the error is larger.
 DENSE = 0.11
 
 
