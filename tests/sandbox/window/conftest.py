@@ -1,4 +1,6 @@
-"""Fixtures for tests of the window: settings of a first start, and fewer garbage collections, which take half of the
+"""Fixtures for tests of the window.
+
+They use the settings of a first start. They also reduce the number of garbage collections, which take half of the test
 time.
 """
 
@@ -15,8 +17,8 @@ COLLECT = rarely(collect_garbage)
 
 @pytest.fixture(autouse=True)
 def own_windows(own_folder: None, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Use the settings of a first start and a new folder for written files, and close all windows at the end."""
-    if "freed" not in request.node.name:  # Tests of the garbage collection itself are left out.
+    """Use the settings of a first start and a new folder for files. Close all windows after the test."""
+    if "freed" not in request.node.name:  # Tests of the garbage collection itself use the normal number of collections.
         monkeypatch.setattr(app, "collect_garbage", COLLECT)
     yield
     for driver in list(Driver.opened):

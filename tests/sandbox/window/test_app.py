@@ -1,4 +1,7 @@
-"""Tests of the application: help, sizes and scales, messages, themes, settings, the end of the loop."""
+"""Tests of the application: its help, window sizes, text scales, messages, colour themes and settings.
+
+They also check how the main loop ends.
+"""
 
 import io
 import locale
@@ -62,7 +65,8 @@ def test_a_tip_goes_when_a_menu_opens_or_its_button_is_pressed(driver: Driver) -
     assert not tips()
     driver.key(pygame.K_ESCAPE)
     driver.click(driver.page.time_controls.buttons["play_pause"].rect.center)
-    driver.app.rebuild()  # The outcome card at the end also rebuilds the widgets.
+    # Building the widgets again imitates what happens when the outcome is shown at the end of the motion.
+    driver.app.rebuild()
     driver.frames(120)
     assert not tips()
 
@@ -71,14 +75,14 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     for size in ((800, 480), (1280, 720)):
         driver.resize(size)
         assert driver.app.size == size
-    driver.key(pygame.K_F11, times=2)  # Full screen and back.
+    driver.key(pygame.K_F11, times=2)  # The key F11 switches to full screen and back.
     assert driver.app.size == (1280, 720)
     driver.resize((300, 200))
     assert driver.app.size == SMALLEST
     for key in (pygame.K_EQUALS, pygame.K_EQUALS, pygame.K_MINUS, pygame.K_0):
         driver.key(key, CTRL)
     assert driver.app.scale == 1.0
-    assert driver.messages == ["scale 100 %"]  # It replaces the previous messages.
+    assert driver.messages == ["scale 100 %"]  # A message about the scale replaces the previous one.
     wide = driver.page.view.places.lanes[0].width
     driver.key(pygame.K_i)
     assert driver.page.view.places.lanes[0].width > wide
@@ -86,7 +90,7 @@ def test_the_window_is_resized_and_scaled_and_its_panel_hidden(driver: Driver) -
     driver.key(pygame.K_EQUALS, CTRL, times=3)
     assert driver.messages == ["scale 144 %: this window is too small for a larger scale"]
     driver.close()
-    assert Driver("one-on-four").app.scale == 1.5  # The scale is stored in the settings.
+    assert Driver("one-on-four").app.scale == 1.5  # The settings file stores the scale.
 
 
 @pytest.mark.parametrize("form", ["text", "toml", "shared", "dropped"])
@@ -138,7 +142,7 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
 )
 def test_a_message_about_a_long_name_fits_the_window(size, letters: str) -> None:
     driver = Driver("one-on-four", size)
-    driver.app.open(letters * 10_000)  # Like a pasted text that is not a scene.
+    driver.app.open(letters * 10_000)  # This imitates a pasted text that is not a scene.
     with patch.object(text, "width", Mock(wraps=text.width)) as measured:
         driver.frames(2)
     assert measured.call_count < 5000
@@ -151,7 +155,7 @@ def test_widgets_and_plots_are_rebuilt_only_after_a_change(driver: Driver) -> No
     view, session = driver.page.view, driver.session
 
     def made() -> tuple[int, int]:
-        """Return how often widgets, and beads with plots, were built so far."""
+        """Return two counters: how often the widgets were built, and how often the beads and plots were built."""
         return driver.app.widgets.version, view.drawn.version
 
     driver.play_to_the_end()
@@ -163,13 +167,14 @@ def test_widgets_and_plots_are_rebuilt_only_after_a_change(driver: Driver) -> No
     driver.frames(2)
     assert made() == begin
     for change, widgets, beads in (
-        (partial(setattr, view, "panel_shown", False), 1, 1),  # Beads and plots become wider.
+        # Without the panel, the beads and plots are wider and must be built again.
+        (partial(setattr, view, "panel_shown", False), 1, 1),
         (view.fit, 0, 1),
-        # The menu changes, and the edit drops later frames.
+        # The edit changes the menu of methods and drops the frames after the current one.
         (partial(driver.page.editor.apply, SetMethod(0, "verlet")), 1, 1),
         (partial(setattr, view, "arrows", "momentum"), 0, 1),
         (partial(setattr, driver.app, "scale", 0.8), 1, 1),
-        (partial(session.scrub_frame, 5), 1, 0),  # A frame before the change of the method.
+        (partial(session.scrub_frame, 5), 1, 0),  # Frame 5 is earlier than the change of the method.
     ):
         before = made()
         change()
@@ -188,7 +193,7 @@ def test_the_page_below_a_dialog_is_dimmed(driver: Driver) -> None:
     driver.move(driver.page.board.plots[0].area.center)
     driver.frames(3)
     disabled, bright = button(), brightness(driver)
-    assert times() == 2  # The time at the pointer, and the time of the clock.
+    assert times() == 2  # One time is shown at the pointer, and the other one is the clock.
     driver.key(pygame.K_w)
     assert times() == 1
     assert brightness(driver) < 0.75 * bright
@@ -291,7 +296,7 @@ def test_a_window_is_no_larger_than_a_desktop_shows(desktop: tuple[int, int], ex
 
 
 def test_a_tick_stands_before_what_was_done_alone(driver: Driver) -> None:
-    driver.key(pygame.K_y)  # Nothing is selected.
+    driver.key(pygame.K_y)  # The key Y does nothing here, because nothing is selected.
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
     assert [one.kind for one in driver.app.messages.visible] == [HINT, HINT]
     driver.select("bead", 1)
@@ -300,5 +305,5 @@ def test_a_tick_stands_before_what_was_done_alone(driver: Driver) -> None:
     assert driver.app.messages.visible[-1].kind == DONE
     assert "undid: bead added" in driver.messages
     driver.app.show_gallery()
-    driver.key(pygame.K_F3)  # The cards of the gallery are the same in both views.
+    driver.key(pygame.K_F3)  # The gallery looks the same in both views, but the message must appear.
     assert driver.messages[-1] == "Explore: few controls"

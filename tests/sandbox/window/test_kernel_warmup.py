@@ -1,4 +1,4 @@
-"""Tests of loading kernels in the background of the window."""
+"""Tests of loading the compiled kernels in the background while the window is open."""
 
 import sys
 
@@ -22,8 +22,9 @@ driver.close()
 
 
 def test_warmup_loads_all_kernels_and_restores_the_switch_interval():
-    """Check the switch interval of threads. With Python's default of 5 ms, used about ten times per frame, imports made
-    frames late.
+    """Check that all kernels are loaded and that the switch interval of Python's threads is restored.
+
+    With the default interval of 5 ms, imports in the background delayed the frames of the window.
     """
     usual, warmup, other, done = sys.getswitchinterval(), KernelWarmup(), KernelWarmup(), []
     warmup.start()

@@ -1,4 +1,4 @@
-"""Tests of the table of keys, and of using every control without a mouse."""
+"""Tests of the table of keys. They check that every control can be used without a mouse."""
 
 import pygame
 import pytest
@@ -21,7 +21,10 @@ def test_every_key_has_one_action(driver: Driver) -> None:
 
 
 def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None:
-    """Hold a key. The system repeats its key-down event."""
+    """Check that a key that is held down repeats its action only if the action is gradual.
+
+    The operating system sends repeated key-down events in this case.
+    """
 
     def hold(code, times=5):
         driver.app.frame(FRAME, pressed(code, times=times))
@@ -37,7 +40,7 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
     assert len(driver.session.lanes[0].chain.mass) == beads + 1
     driver.click(driver.page.inspector.controls["mass"].entry.rect.center)
     driver.key(pygame.K_RETURN)
-    assert pygame.key.get_repeat() == REPEAT  # The repeat rate is also restored after typing.
+    assert pygame.key.get_repeat() == REPEAT  # After typing in a text box, the normal repeat rate of keys is restored.
     hold(pygame.K_SPACE, 4)
     assert driver.session.playing
 
@@ -45,14 +48,14 @@ def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None
 @pytest.mark.parametrize(
     ("action", "keys"),
     [
-        ("larger", [(pygame.K_EQUALS, CTRL | SHIFT, "+"), (pygame.K_EQUALS, CTRL, "=")]),  # English
-        ("larger", [(pygame.K_PLUS, CTRL, "+"), (pygame.K_KP_PLUS, CTRL, "+")]),  # German
+        ("larger", [(pygame.K_EQUALS, CTRL | SHIFT, "+"), (pygame.K_EQUALS, CTRL, "=")]),  # English keyboard.
+        ("larger", [(pygame.K_PLUS, CTRL, "+"), (pygame.K_KP_PLUS, CTRL, "+")]),  # German keyboard.
         ("smaller", [(pygame.K_KP_MINUS, CTRL, "-"), (pygame.K_MINUS, CTRL, "")]),
         ("faster", [(pygame.K_KP_PLUS, 0, "+")]),
-        ("slower", [(pygame.K_MINUS, SHIFT, "")]),  # Keyboards on which the sign needs Shift.
-        ("forward", [(pygame.K_SEMICOLON, SHIFT, ".")]),  # French
+        ("slower", [(pygame.K_MINUS, SHIFT, "")]),  # On some keyboards, the minus sign needs the Shift key.
+        ("forward", [(pygame.K_SEMICOLON, SHIFT, ".")]),  # French keyboard.
         ("back", [(pygame.K_COMMA, 0, ",")]),
-        ("next_event", [(pygame.K_PERIOD, SHIFT, ">"), (pygame.K_PERIOD, SHIFT, ":")]),  # English, German
+        ("next_event", [(pygame.K_PERIOD, SHIFT, ">"), (pygame.K_PERIOD, SHIFT, ":")]),  # English and German keyboard.
         ("save_scene", [(pygame.K_s, pygame.KMOD_LCTRL, "")]),
         ("save_session", [(pygame.K_s, pygame.KMOD_RMETA | pygame.KMOD_SHIFT, "")]),
         (None, [(pygame.K_QUOTE, SHIFT, "*"), (pygame.K_s, 0, ""), (pygame.K_r, pygame.KMOD_ALT, "")]),
@@ -112,14 +115,14 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
     assert driver.session.playing
     driver.key(pygame.K_RETURN)
     assert not driver.session.playing
-    driver.key(pygame.K_RIGHT, times=3)  # Bead 0, contact 01, bead 1.
+    driver.key(pygame.K_RIGHT, times=3)  # The three key presses select bead 0, contact 0-1 and bead 1.
     focus(driver, lambda one: isinstance(one, UITextEntryLine))
     driver.page.inspector.controls["mass"].entry.set_text("2.5")
     driver.key(pygame.K_RETURN)
     assert driver.session.lanes[0].chain.mass[1] == 2.5
     slider = driver.page.inspector.controls["velocity"].slider
     focus(driver, lambda one: one is slider)
-    driver.key(pygame.K_UP)  # Move away from the middle of the slider, which means the value 0.
+    driver.key(pygame.K_UP)  # Move the slider away from its middle, because the velocity is 0 in the middle.
     for key, by in KEYS.items():
         before, speed = slider.get_current_value(), driver.session.lanes[0].velocity[1]
         driver.key(key)
@@ -136,7 +139,7 @@ def test_every_kind_of_control_is_used_by_keys(driver: Driver) -> None:
 @pytest.mark.parametrize("name", ["one-on-four", "beads-against-gear", "cradle"])
 def test_tab_reaches_every_control(name: str) -> None:
     driver = Driver(name)
-    driver.key(pygame.K_RIGHT)  # Select a bead, which has its own controls.
+    driver.key(pygame.K_RIGHT)  # A selected bead adds its controls to the page.
     controls, reached = driver.app.focus.controls(), []
     assert len(controls) > 4
     for _ in controls:

@@ -1,5 +1,6 @@
-"""Tests of the languages of the window: the locale or a key chooses one, which changes all texts at once, and numbers
-get its decimal mark.
+"""Tests of the languages of the window. The language is chosen by the locale or by a key.
+
+A change of the language changes all texts at once. Numbers use the decimal mark of the language.
 """
 
 import re
@@ -29,7 +30,7 @@ def test_a_key_changes_the_language(driver: Driver) -> None:
     assert Settings.load().language == language() == "de"
     assert "One bead on four" not in {one.text for one in driver.texts()}
     driver.app.close()
-    assert language() == "en"  # Only the window uses the other language.
+    assert language() == "en"  # After the window is closed, the language is English again.
     again = Driver()
     for code in ("de", "fr", "en"):
         assert language() == code
@@ -83,7 +84,7 @@ def test_names_of_methods_fit_their_place(code: str) -> None:
 
 
 def cyrillic(message: str) -> str:
-    """Return the message with each letter replaced by a Cyrillic one. Placeholders stay."""
+    """Return the message with each letter replaced by a Cyrillic letter. Placeholders are not changed."""
     return re.sub(r"\{[^{}]*\}|[A-Za-z]", lambda one: one[0] if one[0][1:] else chr(ord(one[0]) + 0x3CF), message)
 
 
@@ -96,18 +97,18 @@ OTHER = SimpleNamespace(
 
 NAMES = {"softcradle", "auto", "SoftChain", "SoftContact", *(method.name.strip("4") for method in METHODS)}
 NAMES |= {language.name for language in LANGUAGES.values()}
-# Actions that leave the page or change the language.
+# Actions that leave the page or change the language. The test skips these actions.
 LEAVING = ("quit", "fullscreen", "language", "leave", "paste", "compare")
 
 
 def english_words(text: str) -> list[str]:
-    """Return the words in English letters, except names and paths."""
+    """Return the words of a text that consist of English letters. Names and paths are left out."""
     tokens = [token for token in text.split() if not re.search(r"/|^.?\.\w|\w\.\w", token)]
     return [word for token in tokens for word in re.findall(r"[A-Za-z]{3,}", token) if word not in NAMES]
 
 
 def shown_texts(driver: Driver) -> list[str]:
-    """Return all drawn texts, and the texts and tooltips of widgets, messages and dialogs."""
+    """Return all texts of the window: drawn texts, widgets, tooltips, messages and dialogs."""
     app = driver.app
     found = [one.text for one in driver.texts()] + driver.messages
     managers = [app.manager] + ([app.dialog.manager] if app.dialog is not None and app.dialog.open else [])
@@ -119,7 +120,7 @@ def shown_texts(driver: Driver) -> list[str]:
 
 @pytest.fixture
 def other(monkeypatch: pytest.MonkeyPatch) -> Driver:
-    """Return the window in a language in which every message differs from the source in every letter."""
+    """Return a window in an invented language. In this language, each letter of a message differs from English."""
     monkeypatch.setattr(translation, "catalogue", lambda code: OTHER)
     monkeypatch.setenv("LANGUAGE", "de")
     return Driver()

@@ -1,5 +1,6 @@
-"""Tests of the layout: at six sizes and five scales, no widget or text of a page is clipped, overlaps another or leaves
-the window.
+"""Tests of the layout of all pages at six window sizes and five scales.
+
+No widget and no text may be clipped, overlap another one or leave the window.
 """
 
 from types import SimpleNamespace
@@ -19,14 +20,15 @@ from tests.helpers.windows import Driver, faults, widget_name, widgets
 pytestmark = pytest.mark.slow
 
 SIZES = ((800, 600), (1000, 600), (1280, 720), (1366, 768), (1920, 1080), (2560, 1440))
-# Number of frames after which contacts push in every scene used here, so that forces are drawn and plots have curves.
+# Number of frames after which the contacts are pressed in every scene of this file. Forces and curves are then visible.
 AMID = 60
 SCALES = (0.8, 1.0, 1.3, 1.5, 2.0)
-# German has the longest words. The smallest size and the design size are the narrowest.
+# Window size, language, and True for the view with all controls. German has the longest words. The smallest size and
+# the default size leave the least space.
 CASES = [
     *((size, "en", True) for size in SIZES),
     *((size, code, True) for code in ("de", "fr") for size in (SIZES[0], SIZES[2])),
-    # Few controls, at a real scale of 200 %.
+    # Cases of the view with few controls. These sizes occur on screens with a scale of 200 %.
     *((size, code, False) for code in ("de", "fr") for size in ((1024, 600), (1280, 800))),
 ]
 
@@ -42,7 +44,7 @@ def _select(driver: Driver, pick: Pick | None, plots: bool = False, values: bool
 
 
 def _film(driver: Driver) -> None:
-    """Simulate a film of an hour, without writing it."""
+    """Pretend that a film of one hour is being recorded. Nothing is written."""
     _select(driver, None)
     film = driver.page.film
     film.film, film.seconds = SimpleNamespace(free_surface=lambda: pygame.Surface((2, 2)), add=lambda frame: None), 3599
@@ -54,7 +56,7 @@ def _end(driver: Driver) -> None:
     driver.page.outcome.show_outcome()
 
 
-PAGES = {  # Scene to open, and actions on its page.
+PAGES = {  # For each page: the name of its scene, and the actions that prepare the page.
     "gallery": (None, lambda driver: None),
     "scene": ("one-on-four", lambda driver: _select(driver, None)),
     "a bead": ("one-on-four", lambda driver: _select(driver, Pick(0, "bead", 1), plots=True)),
@@ -87,9 +89,10 @@ def faults_of_texts(driver: Driver) -> list[str]:
         return [f"{one.text!r} leaves its box" for one in texts if not box.contains(one.rect)]
     found = [f"{one!r} lies on {other!r}" for one, other in colliding(texts)]
     places = app.page.view.places if hasattr(app.page, "view") else getattr(app.page, "places", None)
-    scrolled = isinstance(app.page, GalleryPage)  # Cards of the gallery extend below the window.
+    # The gallery can be scrolled, so its cards may extend below the window.
+    scrolled = isinstance(app.page, GalleryPage)
     for words, rect in texts:
-        # Leave out the space of the font above and below its letters.
+        # Leave out the empty space that a font has above and below its letters.
         shown = rect.inflate(-2, -round(0.3 * rect.height))
         if shown.left < 0 or shown.right > window.right or not (scrolled or window.contains(shown)):
             found.append(f"{words!r} leaves the window: {rect}")
@@ -147,7 +150,8 @@ def test_nothing_overlaps_or_is_cut(size, code, lab, monkeypatch) -> None:
         driver.app.scale = scale
         driver.app.rebuild()
         if driver.app.unit in looked_at:
-            continue  # This is the largest scale that fits, and it was checked already.
+            # The window has limited the scale to the largest possible value, and this value was checked before.
+            continue
         looked_at.add(driver.app.unit)
         for name, (start, prepare) in PAGES.items():
             driver.app.show(pages[start])

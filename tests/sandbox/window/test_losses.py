@@ -1,5 +1,7 @@
-"""Tests that nothing is lost: undo, questions before edits or files are discarded, drags that end, and films that are
-written.
+"""Tests that the user does not lose work.
+
+They check undo and questions before edits or files are discarded. They also check interrupted drags, and films that are
+being recorded.
 """
 
 import os
@@ -42,7 +44,7 @@ def test_unsaved_edits_are_offered_at_the_next_start(driver, monkeypatch, end) -
     assert not unsaved_paths()
     driver.key(pygame.K_a)
     driver.frames(90)
-    for mass in range(2, 92):  # Drag a slider longer than the delay of the file.
+    for mass in range(2, 92):  # Drag a slider for a longer time than the delay after which edits are written to a file.
         driver.session.apply(SetMass(0, 0, float(mass)), gesture=True)
         driver.frames()
     driver.frames(70)
@@ -69,7 +71,7 @@ def test_unsaved_edits_are_offered_at_the_next_start(driver, monkeypatch, end) -
 
 
 def written(number: int) -> UnsavedFile:
-    """Return the file of a window that has ended. A larger number means a newer file."""
+    """Return a file with unsaved edits of a window that has ended. A larger `number` means a newer file."""
     file = UnsavedFile()
     file.write(load("one-on-four").model_copy(update={"title": f"scene {number}"}).to_toml())
     os.utime(file.path, (number, number))
@@ -102,14 +104,14 @@ def test_an_ignored_unsaved_scene_is_offered_again(leave: str) -> None:
 
 def test_the_newest_unsaved_scene_is_offered_first() -> None:
     files = [written(number).path for number in (2, 3, 1)]
-    no_scene = settings_path().with_name("unsaved.toml")  # The file name of earlier versions.
+    no_scene = settings_path().with_name("unsaved.toml")  # Earlier versions used this file name.
     no_scene.write_text("title =")
     os.utime(no_scene, (0, 0))
     for path in (files[1], files[0], files[2]):
         assert path in unsaved_paths()
         driver = Driver()
         driver.key(pygame.K_RIGHT)
-        driver.key(pygame.K_RETURN)  # Choose "Discard it".
+        driver.key(pygame.K_RETURN)  # This key press confirms the button "Discard it".
         driver.close()
         assert path not in unsaved_paths()
     driver = Driver()
@@ -130,7 +132,7 @@ def test_the_edits_of_a_window_that_runs_are_no_other_windows(driver: Driver) ->
     second.app.quit()
     second.close()
     assert unsaved_paths() == [own]
-    driver.app.close()  # Like a killed process, this releases the file.
+    driver.app.close()  # Closing the window in this way releases the file, as after the end of a killed process.
     found = left_over()
     assert found.path == own
     found.release()
@@ -148,7 +150,7 @@ def test_buttons_undo_and_redo_edits(driver: Driver) -> None:
     driver.key(pygame.K_z, CTRL | SHIFT)
     assert "nothing to redo" in driver.messages
     slider = driver.page.inspector.controls["mass"].slider.sliding_button.rect
-    driver.pull(slider.center, (slider.centerx - 60, slider.centery))  # A drag is one undo step.
+    driver.pull(slider.center, (slider.centerx - 60, slider.centery))  # The whole drag of a slider is one undo step.
     bead = driver.page.editor.selection.index
     assert driver.session.lanes[0].chain.mass[bead] < 0.5
     driver.key(pygame.K_z, CTRL)
@@ -174,16 +176,16 @@ def test_edits_are_not_lost_unasked(driver: Driver, leave) -> None:
     assert driver.app.page is page
     assert driver.app.running
     assert driver.app.dialog is not None
-    driver.key(pygame.K_ESCAPE)  # Stay on the page.
+    driver.key(pygame.K_ESCAPE)  # Escape closes the question and keeps the current page.
     assert driver.app.page is page
     leave(driver)
-    driver.key(pygame.K_RETURN)  # Choose "Save ...".
+    driver.key(pygame.K_RETURN)  # This key press confirms the button "Save ...".
     driver.answer("kept")
     assert Path("kept.toml").exists()
     driver.key(pygame.K_ESCAPE)
     assert isinstance(driver.app.page, GalleryPage)
     driver.key(pygame.K_ESCAPE)
-    assert driver.app.running  # Esc does not quit.
+    assert driver.app.running  # In the gallery, Escape does not quit the program.
 
 
 def test_a_file_is_replaced_only_after_a_question(driver, tmp_path, monkeypatch):
@@ -207,7 +209,7 @@ def test_a_bead_released_without_an_event_is_let_go(driver: Driver, away: int) -
     driver.drag((x, y), (x + 60, y))
     assert driver.session.held.lane == 0.0
     if away == pygame.KEYDOWN:
-        driver.key(pygame.K_F7)  # A menu opens and receives the release of the button.
+        driver.key(pygame.K_F7)  # The key F7 opens a menu, which receives the release of the mouse button.
         driver.release((x + 60, y))
     else:
         driver.post(away, pos=(x, y), rel=(0, 0), buttons=(0, 0, 0))
@@ -242,10 +244,11 @@ def test_a_film_keeps_all_of_a_window_that_is_resized(driver: Driver, tmp_path: 
     assert any("saved" in text and "mine.mp4" in text for text in driver.messages)
     with av.open(str(tmp_path / "mine.mp4")) as film:
         pictures = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
-    assert 15 <= len(pictures) <= 25  # The film contains every second frame.
+    assert 15 <= len(pictures) <= 25  # The film contains every second frame of the window.
     assert driver.page.film.seconds == pytest.approx(len(pictures) / 30)
     corners = [picture[-20:, -20:] for picture in pictures]
-    assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20  # Both contain the bottom of the page.
+    # The first and the last picture both contain the lower right corner of the page.
+    assert np.abs(corners[0].astype(int) - corners[-1]).mean() < 20
 
 
 @pytest.mark.parametrize("name", ["one-on-four", "cradle"])
@@ -263,28 +266,29 @@ def test_the_button_of_a_film_says_stop_and_the_time(name: str, monkeypatch: pyt
         room = button.rect.width
         page.film.seconds = 59 * 60 + 59
         driver.frames()
-    assert texts == ["Stop 0:01", "Stop 0:02", "Stop 0:03", "Stop 59:59"]  # The text is drawn once per second.
+    # The text of the button is drawn once per second.
+    assert texts == ["Stop 0:01", "Stop 0:02", "Stop 0:03", "Stop 59:59"]
     assert width(button.text, 13 * driver.app.unit, bold=True) < room == button.rect.width
     driver.click(button.rect.center)
     assert "film" not in page.toolbar.buttons
     page.dialogs.save("film", "second.mp4")
     monkeypatch.setattr(page.film.film, "add", Mock(side_effect=OSError("no room is left")))
-    driver.frames(3)  # The film stops by itself.
+    driver.frames(3)  # The error ends the recording of the film.
     assert "film" not in page.toolbar.buttons
     assert "the film stopped: no room is left" in driver.messages
-    assert any("second.mp4" in text for text in driver.messages)  # The part until then is saved.
+    assert any("second.mp4" in text for text in driver.messages)  # The part of the film before the error is saved.
     page.dialogs.save("film", "third.mp4")
     driver.frames(10)
-    driver.key(pygame.K_ESCAPE)  # Leaving the page writes the film.
+    driver.key(pygame.K_ESCAPE)  # Leaving the page ends the recording and writes the film.
     assert Path("third.mp4").exists()
 
 
-@pytest.mark.own_process  # An unhandled signal would end the process.
+@pytest.mark.own_process  # A signal that is not handled would end the test process.
 @pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_signal_while_filming_keeps_the_film(driver: Driver, monkeypatch, number: signal.Signals) -> None:
     import av
 
-    edited(driver)  # Closing the window normally would ask a question.
+    edited(driver)  # Because of this edit, closing the window would normally ask a question.
     driver.page.dialogs.save("film", "mine.mp4")
     driver.frames(20)
     signals = iter([number] * 9)
@@ -306,7 +310,8 @@ def test_a_saved_session_replays_with_the_same_digits(driver: Driver, tmp_path: 
     driver.frames(5)
     assert driver.page.clock.activity() == "replaying"
     said = next(one for one in driver.texts() if one.text.startswith("replay, frame"))
-    assert driver.page.view.places.footer.contains(said.rect)  # The text is not on a bead or a force.
+    # The text is in the footer, so it does not cover beads or forces.
+    assert driver.page.view.places.footer.contains(said.rect)
     driver.key(pygame.K_SPACE)
     frame = driver.session.frame
     driver.frames(5)
@@ -315,7 +320,8 @@ def test_a_saved_session_replays_with_the_same_digits(driver: Driver, tmp_path: 
         driver.page.actions[name]()
     assert driver.session.frame == 97
     driver.page.actions["slower"]()
-    driver.run(5)  # Continue from the newest frame with slower motion, while a bead is held.
+    # The motion continues from the newest frame with slower motion. At this time, a bead is held by the pointer.
+    driver.run(5)
     assert 100 < driver.session.frame < 108
     assert driver.session.held.bead == 4.0
     driver.until(lambda: driver.page.replay.done, most=800)
@@ -341,7 +347,7 @@ def test_history_and_screenshot_are_saved(driver: Driver, tmp_path, monkeypatch)
     assert driver.app.settings.recent == [str(tmp_path / "session.npz")]
     driver.key(pygame.K_p)
     assert pygame.image.load(str(tmp_path / "one-bead-on-four.png")).get_size() == (1280, 720)
-    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # Like a user without a home folder.
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # This imitates a user without a home folder.
     driver.key(pygame.K_p)
     assert driver.messages[-1] == f"saved {tmp_path / 'one-bead-on-four-2.png'}"
 
@@ -362,7 +368,7 @@ def test_a_motion_or_an_experiment_is_shared(driver: Driver, tmp_path, action: s
     else:
         recorded = driver.session.trajectory(0)
         assert recorded.time[-1] == driver.session.time > 0.0
-        # The samples include free flight before the start.
+        # The recorded motion includes samples of free flight before the start.
         assert 2 <= lane["recorded"]["rows"] <= recorded.time.size + 2
 
 
@@ -376,7 +382,8 @@ def test_a_bad_file_gives_a_message_and_no_crash(driver: Driver, tmp_path) -> No
         assert driver.app.page is page
         assert name in driver.messages[-1]
         assert driver.app.messages.visible[-1].warning
-    driver = Driver(str(tmp_path / "bad.toml"))  # Opened at the start, in the gallery.
+    # If the file is given at the start, the window opens the gallery and shows a message.
+    driver = Driver(str(tmp_path / "bad.toml"))
     assert isinstance(driver.app.page, GalleryPage)
     assert any("bad.toml" in text for text in driver.messages)
 

@@ -1,4 +1,7 @@
-"""Tests of the rectangles of the scene page, without a window: beads, plots and magnifiers stay at every size and scale."""
+"""Tests of the rectangles of the scene page, computed without opening a window.
+
+Beads, plots and magnified contacts must be visible at every window size and scale.
+"""
 
 import pytest
 from softcradle.sandbox.draw.lane_drawing import LaneDrawing
@@ -15,7 +18,7 @@ SIZES = ((1024, 528), (1024, 600), (1280, 800), (1366, 696), (1366, 768), (1920,
 
 
 def unit_of(size: tuple[int, int], scale: float, explore: bool, lanes: int) -> float:
-    """Return the pixels of a design pixel, as the window chooses them."""
+    """Return the number of pixels per design pixel that the window would choose."""
     usual = min(max(min(size[0] / DESIGN[0], size[1] / DESIGN[1]), 0.75), 2.5)
     wide, high = LEAST_EXPLORED if explore else LEAST
     return min(scale * usual, size[0] / wide, size[1] / max(high, least_height(lanes)))

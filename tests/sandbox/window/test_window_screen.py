@@ -1,4 +1,6 @@
-"""Tests of the window on a virtual screen, with pointer and keyboard events of the system: Xvfb and xdotool."""
+"""Tests of the window on a virtual screen. The programs Xvfb and xdotool create the screen and its pointer and keyboard
+events.
+"""
 
 import os
 import shutil
@@ -17,7 +19,7 @@ from softcradle import scenes
 HERE = shutil.which("Xvfb") and shutil.which("xdotool")
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.own_process,  # The test kills a window that does not respond.
+    pytest.mark.own_process,  # The test kills the window if it does not respond.
     pytest.mark.skipif(not HERE, reason="needs Xvfb and xdotool, which CI installs"),
 ]
 
@@ -59,7 +61,8 @@ class Screen:
 
 @pytest.fixture
 def screen(tmp_path: Path) -> Iterator[Screen]:
-    # Without -noreset, Xvfb restarts when its last client leaves, and rejects clients that connect at this moment.
+    # Without the option -noreset, Xvfb restarts when its last client disconnects. It rejects clients that connect at
+    # that moment.
     command = ["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
         try:
@@ -85,7 +88,7 @@ def test_a_scene_is_played_on_a_screen(screen: Screen, tmp_path: Path) -> None:
     screen.until(collided)
     screen.drag((600, 180), (760, 180))
     assert Trajectory.load(str(exported)).velocity[0, 0] == 1.0
-    # Scrub to the beginning, change the method, add a bead, save.
+    # Go back to the beginning, change the method, add a bead and save the scene.
     screen.key("space")
     screen.drag((900, 652), (28, 652))
     screen.key("shift+m", "Right", "a", "ctrl+s")

@@ -1,4 +1,7 @@
-"""Tests of the gallery with mouse and keys, and of the memory of pages that were left."""
+"""Tests of the gallery of scenes with mouse and keys.
+
+They also check that a page frees its memory when the user leaves it.
+"""
 
 import weakref
 from unittest.mock import Mock
@@ -22,22 +25,24 @@ def gallery() -> Driver:
 
 
 def test_a_clicked_card_opens_and_the_old_page_is_freed(gallery, monkeypatch) -> None:
-    """Check memory: pages and widgets refer to each other in cycles and hold their surfaces, about 100 MB in an hour of
-    use.
+    """Check that a click on a card opens its scene and that the memory of the old page is freed.
+
+    Pages and widgets refer to each other in cycles and keep their pictures. Without garbage collection, an hour of use
+    would take about 100 MB.
     """
     page = gallery.app.page
     gallery.pull(page.grid.place(0).center, page.grid.place(1).center)
-    gallery.click((page.grid.place(0).centerx, 8))  # Click on the header.
+    gallery.click((page.grid.place(0).centerx, 8))  # A click on the header above the cards must not open a scene.
     assert gallery.app.page is page
     page.grid.scroll_by(page.grid.place(4).top - page.grid.place(0).top)
-    # Click on a card that is scrolled below the header.
+    # A card that is scrolled below the header must not react to a click.
     gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))
     assert gallery.app.page is page
     page.grid.scroll = 0.0
     gallery.click(page.grid.place(1).center)
     assert gallery.page.title == page.scenes[page.names[1]].title
     old_page = weakref.ref(gallery.page)
-    # Systems that cannot trim the heap raise different errors.
+    # An operating system that cannot free unused memory raises one of these errors.
     for action, refusal in (("larger", AttributeError), ("smaller", TypeError), ("larger", OSError)):
         monkeypatch.setattr("ctypes.CDLL", Mock(side_effect=refusal))
         old_widget = weakref.ref(next(iter(gallery.page.time_controls.buttons.values())))
@@ -50,8 +55,10 @@ def test_a_clicked_card_opens_and_the_old_page_is_freed(gallery, monkeypatch) ->
 
 
 def test_every_scene_has_a_complete_card_in_every_language(gallery: Driver) -> None:
-    """Check that a card shortens a list of sources only at a semicolon. The end of such a list names what this project
-    added, for example "launch speed and loss ours".
+    """Check that the card of each scene shows complete texts in every language.
+
+    A list of sources is shortened only at a semicolon. The end of such a list names what this project added, for
+    example "launch speed and loss ours".
     """
     page = gallery.app.page
     assert not page.moving
@@ -72,7 +79,7 @@ def test_every_scene_has_a_complete_card_in_every_language(gallery: Driver) -> N
                 title, text, source = page.captions[name]
                 assert " ".join(words).startswith(title), (code, title)
                 said = " ".join(words).removeprefix(title).strip()
-                # In some scenes, one sentence is too long.
+                # In some scenes, a single sentence is too long for the card and is cut.
                 ends = (".",) if code == "en" and k < 4 else (".", "?", "…")
                 assert said.endswith(ends), (code, said)
                 assert text.startswith(said.removesuffix("…")), (code, text, said)
@@ -89,7 +96,8 @@ def test_shipped_thumbnails_are_up_to_date() -> None:
             use_theme(theme)
             drawn, shipped = thumbnails.paint(scene, motions), thumbnails.shipped(name, theme)
             one, other = (pygame.surfarray.array3d(picture).astype(float) for picture in (drawn, shipped))
-            assert np.abs(one - other).mean() < 1.0, (name, theme)  # Mean colour difference, on a scale from 0 to 255.
+            # Mean difference of colours, on a scale from 0 to 255.
+            assert np.abs(one - other).mean() < 1.0, (name, theme)
 
 
 def searched(gallery: Driver, words: str) -> tuple[str, ...]:
@@ -141,7 +149,7 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     assert gallery.app.page.names[4] == str(tmp_path / "mine.toml")
     assert "Mine" in [one.text for one in gallery.texts()]
     (tmp_path / "mine.toml").write_text(scenes.load("one-on-ten").model_copy(update={"title": "Again"}).to_toml())
-    gallery.app.rebuild()  # The first picture may still be in progress.
+    gallery.app.rebuild()  # The first picture of the scene may still be in preparation.
     page = gallery.app.page
     gallery.until(lambda: not page.moving)
     assert "Again" in [one.text for one in gallery.texts()]
@@ -150,7 +158,7 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     gallery.app.rebuild()
     (tmp_path / "mine.toml").unlink()
     gallery.app.rebuild()
-    # This job runs after the picture that is no longer needed.
+    # Jobs run one after another. This job starts after the drawing of the picture that is no longer needed.
     gallery.app.warmup.submit(lambda _: done.append(True), lambda: None)
     done: list[bool] = []
     gallery.until(lambda: done)

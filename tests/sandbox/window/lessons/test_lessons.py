@@ -1,4 +1,6 @@
-"""Tests of the lessons: a prediction, a run, and an answer from measured values."""
+"""Tests of the lessons. The user predicts the outcome of a collision, runs it, and compares the prediction with
+measured values.
+"""
 
 import pygame
 import pytest
@@ -24,7 +26,7 @@ def test_the_answer_is_that_of_an_accurate_run(lesson, answer):
 
 
 def answered(driver: Driver, *choices: int) -> str:
-    """Return the verdict in the force panel after these choices, made with the buttons in the panel."""
+    """Click the given answers in the panel of the lesson and return the verdict that is shown after the run."""
     driver.key(pygame.K_q)
     for choice in choices:
         panel = driver.page.explore if driver.app.explore else driver.page.inspector
@@ -59,7 +61,7 @@ def test_both_questions_are_asked_next_to_the_beads_before_the_run(lab: bool) ->
 def test_the_choices_are_clicked_without_a_key(driver: Driver) -> None:
     driver.play_to_the_end()
     assert not driver.page.inspector.choices
-    driver.app.act("lesson")  # The entry of the menu.
+    driver.app.act("lesson")  # This action is an entry of the menu.
     driver.frames(2)
     assert driver.session.frame == 0
     assert len(driver.page.inspector.choices) == 3
@@ -78,10 +80,10 @@ def test_a_lesson_is_predicted_run_and_answered(driver: Driver) -> None:
 
 def test_questions_are_asked_in_dialogs_if_the_panel_has_no_space() -> None:
     driver = Driver("one-on-four", lab=False)
-    driver.key(pygame.K_i)  # Hide the panel.
+    driver.key(pygame.K_i)  # The key I hides the panel.
     driver.key(pygame.K_q)
     for choice in (1, 2):
-        assert driver.app.dialog.focus == -1  # No choice is marked.
+        assert driver.app.dialog.focus == -1  # The dialog opens without a marked answer.
         driver.key(pygame.K_RETURN)
         assert driver.app.dialog.open
         driver.key(pygame.K_DOWN, times=choice)
@@ -92,7 +94,8 @@ def test_questions_are_asked_in_dialogs_if_the_panel_has_no_space() -> None:
 def test_a_lesson_whose_choices_are_all_wrong_is_answered_in_words() -> None:
     driver = Driver("locked-pistons")
     driver.select("contact", 1)
-    driver.key(pygame.K_l, pygame.KMOD_SHIFT)  # Now the beads leave together in neither row.
+    # After this edit, the beads do not leave together in any of the two rows.
+    driver.key(pygame.K_l, pygame.KMOD_SHIFT)
     driver.key(pygame.K_ESCAPE)
     assert answered(driver, 2).startswith("You predicted: in both.")
 
@@ -125,7 +128,8 @@ def test_the_text_of_a_scene_appears_after_its_question(lab: bool) -> None:
     driver.until(lambda: driver.page.lessons.answered)
     assert "not quite rigid" in driver.said()
     driver.key(pygame.K_r)
-    assert "not quite rigid" in driver.said()  # The answer is known by now.
+    # The text that reveals the answer stays visible after a restart, because the question has been answered.
+    assert "not quite rigid" in driver.said()
     before = driver.page.view.backdrop.version
     driver.page.editor.apply(SetVelocity(0, 0, 0.7))
     driver.frames(2)
@@ -167,7 +171,7 @@ def test_texts_of_a_user_appear_in_all_outputs(driver, tmp_path) -> None:
     scene = driver.session.scene
     assert (scene.title, scene.text) == ("Five at rest", "They all go.")
     assert (scene.question, scene.lanes[0].label) == ("Who goes?", "my row")
-    # The edit and the present frame are kept.
+    # Changing the texts keeps the edited beads and the current frame.
     assert (driver.session.lanes[0].chain.contacts, driver.session.frame) == (5, 100)
     assert driver.page.unsaved
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
@@ -177,7 +181,7 @@ def test_texts_of_a_user_appear_in_all_outputs(driver, tmp_path) -> None:
     assert driver.session.scene == scene
     driver.page.dialogs.save("save_scene", "mine")
     assert scenes.load(str(tmp_path / "mine.toml")) == scene
-    driver.key(pygame.K_ESCAPE)  # Nothing is selected.
+    driver.key(pygame.K_ESCAPE)  # Escape clears the selection, so the panel shows the question.
     assert "Who goes?" in driver.said()
     assert "They all go." not in driver.said()
     driver.page.dialogs.save("share_page", "mine")
@@ -196,7 +200,7 @@ def test_texts_of_a_user_appear_in_all_outputs(driver, tmp_path) -> None:
 def test_a_text_is_typed_in_several_lines_and_kept_as_one(driver: Driver) -> None:
     driver.key(pygame.K_F4)
     driver.key(pygame.K_RETURN)
-    assert not driver.page.unsaved  # Nothing was typed.
+    assert not driver.page.unsaved  # The dialog was closed without typing, so nothing is unsaved.
     assert not driver.page.toolbar.buttons["undo"].is_enabled
     driver.key(pygame.K_F4)
     box = driver.app.dialog.entries["text"]

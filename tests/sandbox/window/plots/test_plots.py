@@ -1,5 +1,6 @@
-"""Tests of the live plots: curves, cursor, energies, kymograph, two lanes; selected signals, and measured data over
-plots.
+"""Tests of the live plots: the curves, the cursor, energies, kymographs, and plots of two rows of beads.
+
+They also check plots of selected quantities, and measured data that is drawn over a plot.
 """
 
 from dataclasses import replace
@@ -28,8 +29,9 @@ from tests.helpers.windows import Driver
 
 
 def test_plots_show_frames_with_more_beads_than_now() -> None:
-    """Check frames from before an edit removed beads. There are more values than names, and a plot that opens later also draws
-    these beads.
+    """Check that plots show earlier frames that have more beads than the current frame.
+
+    These frames have more values than the plot has names. A plot that is opened later also draws the removed beads.
     """
     driver = Driver("one-on-ten")
     board = driver.page.board
@@ -86,13 +88,15 @@ def test_the_kymograph_shows_where_the_beads_were(driver: Driver) -> None:
     values = plot.values_at(frame)
     length = session.scene.view.length
     overlap = slice_at(session.history, 0, frame).overlap[0]
-    assert np.diff(values) == pytest.approx(length - overlap, abs=1e-9)  # Distance of neighbours.
+    # The distance between two neighbouring beads is the length of a bead minus the overlap.
+    assert np.diff(values) == pytest.approx(length - overlap, abs=1e-9)
     x = round(plot.span.x(session.history.snapshot(frame).time))
     column = pygame.surfarray.array3d(plot.curves.surface)[x].sum(axis=1)
     for place in plot.y(values):
-        assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250  # A marker.
+        # The position of each bead has a dark marker.
+        assert column[max(round(place) - 1, 0) : round(place) + 2].min() < 250
     band = plot.y(values + 0.25 * length).round().astype(int)
-    assert all(300 < column[row] < 740 for row in band)  # The pale colour of a bead.
+    assert all(300 < column[row] < 740 for row in band)  # The area next to a marker has the pale colour of the bead.
 
 
 def test_two_lanes_show_their_difference() -> None:
@@ -105,7 +109,7 @@ def test_two_lanes_show_their_difference() -> None:
     assert np.allclose(difference.values_at(driver.session.frame), second.velocity - first.velocity)
     assert difference.span is board.plots[0].span
     driver.session.apply(RemoveBead(1, 0))
-    assert "difference" not in board.shown  # These rows cannot be compared.
+    assert "difference" not in board.shown  # After a bead is removed, the two rows of beads cannot be compared.
     driver.session.undo()
     assert "difference" in board.shown
     driver.key(PLOT_KINDS["difference"].key)
@@ -114,7 +118,7 @@ def test_two_lanes_show_their_difference() -> None:
 
 
 def numbered(first: int, last: int) -> pygame.Surface:
-    """Return a surface whose columns contain their number."""
+    """Return a surface on which the colour of each column is its number."""
     return pygame.surfarray.make_surface(np.array([[(x % 256, 1, 0)] * 4 for x in range(first, last)]))
 
 
@@ -160,7 +164,7 @@ def test_the_choice_of_plots_is_remembered() -> None:
         driver = Driver("one-on-four")
         driver.key(PLOT_KINDS[name].key)
         driver.close()
-    # A single lane cannot show this plot.
+    # The plot of differences needs two rows of beads.
     for scene, more in (("one-on-four", []), ("beads-against-gear", ["difference"])):
         driver = Driver(scene)
         assert sorted(driver.page.board.shown) == sorted(["velocities", "overlaps", "energy", *more])
@@ -200,27 +204,29 @@ def test_space_time_has_a_scale_of_its_shades(driver):
     plot = next(plot for plot in driver.page.board.plots if isinstance(plot, StripPlot))
     x = plot.area.right + round(6 * plot.unit) + 3
     column = [sum(driver.app.surface.get_at((x, y))[:3]) for y in range(plot.area.top + 2, plot.area.bottom - 2)]
-    assert column[0] < 200  # The largest force is dark.
+    assert column[0] < 200  # The largest force has the darkest shade.
     assert column[-1] > 700
     assert min(np.diff(column)) >= -3
 
 
 @pytest.fixture
 def played(driver: Driver) -> Driver:
-    driver.session.step_frames(300)  # Frame in the middle of the collision.
+    driver.session.step_frames(300)  # After 300 frames, the beads collide.
     driver.frames(3)
     return driver
 
 
 def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_path) -> None:
-    """Drop values of the session between its frames, with an error of 0.25 m/s. They also cross the border of two
-    history blocks.
+    """Check that a dropped table of measured data is drawn over the plot of the velocities.
+
+    The data are values of the session between two frames, with an added error of 0.25 m/s. They cross the border
+    between two blocks of the history.
     """
     played.session.step_frames(300)
     played.frames(3)
     motion = played.session.trajectory(0)
     rows = np.column_stack([motion.time, motion.velocity + 0.25])
-    table = 0.5 * (rows[1:] + rows[:-1])[11::20]  # One value lies between samples 512 and 513.
+    table = 0.5 * (rows[1:] + rows[:-1])[11::20]  # One value of the table lies between the samples 512 and 513.
     np.savetxt(tmp_path / "track.csv", table, delimiter=",", header="t,v0,v1,v2,v3,v4", comments="")
     plot = played.page.board.plots[0]
     played.move(plot.area.center)
@@ -231,11 +237,11 @@ def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_pa
     x = round(plot.area.left + plot.span.x(float(overlay.time[3])))
     y = round(plot.area.top + float(plot.y(overlay.values[3, 1])))
     ring = pygame.surfarray.array3d(played.app.surface)[x - 5 : x + 6, y - 5 : y + 6].astype(int)
-    assert (np.ptp(ring, axis=2) > 40).any()  # The ring has the colour of the bead.
+    assert (np.ptp(ring, axis=2) > 40).any()  # The ring around a measured value has the colour of the bead.
     played.key(pygame.K_x)
     assert not played.page.board.overlays
     played.key(pygame.K_5)
-    strip = played.page.board.plots[-1]  # The height in this plot does not show a value.
+    strip = played.page.board.plots[-1]  # In a plot that shows values as shades, the height has another meaning.
     played.move(strip.area.center)
     played.drop_file(tmp_path / "track.csv")
     assert [kind for kind, _ in played.page.board.overlays] == ["velocities"]
@@ -283,7 +289,11 @@ LARGE = [(pygame.K_d, pygame.KMOD_CTRL), *[(pygame.K_PLUS, pygame.KMOD_CTRL)] * 
 
 @pytest.mark.parametrize("keys", [[(pygame.K_F3, 0)], LARGE])
 def test_a_picture_finds_the_kymograph_that_is_not_on_screen(driver: Driver, tmp_path, keys) -> None:
-    """Check the view with few controls, which shows one plot, and a row of plots outside the visible area."""
+    """Check that a dropped camera picture is drawn over the kymograph, even if the kymograph is not visible.
+
+    The view with few controls shows only one plot. In the other view, the kymograph is in a row of plots outside the
+    visible area.
+    """
     pygame.image.save(pygame.Surface((4, 4)), str(tmp_path / "camera.png"))
     for code, modifiers in keys:
         driver.key(code, modifiers)
@@ -323,14 +333,17 @@ def test_signals_and_edges_are_parsed():
 
 
 def test_curves_stay_visible_while_an_axis_changes(driver: Driver) -> None:
-    """Draw 8 columns per frame, as on a slow machine. A plot of 300 columns then takes dozens of frames."""
+    """Check that curves do not disappear while a plot is drawn with a new axis.
+
+    As on a slow computer, only 8 columns are drawn per frame. A plot of 300 columns then takes dozens of frames.
+    """
     driver.play(200)
     board = driver.page.board
     plot, span, zero = board.plots[0], replace(board.span), driver.session.history
     assert plot.complete
 
     def left(one) -> int:
-        """Return how many pixels of a curve are in the older half of the plot."""
+        """Return the number of pixels of a curve in the older half of the plot."""
         end = round(one.span.x(zero.last_time) / 2)
         part = one.curves.surface.subsurface((0, 0, end, one.area.height))
         return pygame.mask.from_threshold(part, one.content.colours[0], (60, 60, 60, 255)).count()

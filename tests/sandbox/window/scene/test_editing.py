@@ -1,5 +1,7 @@
-"""Tests of edits by pointer, keys, inspector, sweep and lane cards, and of axes, loupes, badge and look-ahead after
-edits.
+"""Tests of editing a scene with the pointer, keys, the inspector, and the dialogs for parameter sweeps and rows of
+beads.
+
+They also check that axes, magnified contacts, the verdict and the predicted motion are right after an edit.
 """
 
 from dataclasses import replace
@@ -67,7 +69,7 @@ def test_rejected_numbers_do_not_stay_in_their_box(driver: Driver) -> None:
     entry = driver.page.inspector.controls["mass"].entry
     driver.click(entry.rect.center)
     driver.key(pygame.K_RETURN)
-    assert not driver.page.unsaved  # Nothing was typed.
+    assert not driver.page.unsaved  # The box was left without typing, so nothing is unsaved.
     driver.click(entry.rect.center)
     driver.type("r a")
     assert driver.session.lanes[0].chain.contacts == 4
@@ -80,7 +82,7 @@ def test_rejected_numbers_do_not_stay_in_their_box(driver: Driver) -> None:
         assert not driver.page.typing
     driver.click(entry.rect.center)
     entry.set_text("5")
-    driver.click(driver.bead(3))  # The number is accepted when its box is left.
+    driver.click(driver.bead(3))  # A typed number is accepted when the user clicks outside its box.
     assert driver.session.lanes[0].chain.mass[2] == 5.0
     for typed, mass in (("0,5", 0.5), ("1/14", 1 / 14), (" 7 ", 7.0)):
         driver.enter("mass", typed)
@@ -107,7 +109,11 @@ def test_the_slider_goes_where_its_number_is(driver: Driver) -> None:
 
 
 def test_the_kind_of_a_contact_says_what_its_law_is() -> None:
-    """Check kinds of contacts. A spring of 1 N/m is not hard. The three kinds are not offered for couplers of wagons."""
+    """Check which kind of contact is marked in the inspector.
+
+    A spring of 1 N/m does not count as a hard contact. For couplers of wagons, the inspector does not offer the three
+    kinds of contacts.
+    """
     for scene, law, expected in (("one-on-four", power_law(1.0, 1.0), ["alpha ≥ 1"]), ("train-starting", None, [])):
         driver = Driver(scene)
         if law:
@@ -115,7 +121,8 @@ def test_the_kind_of_a_contact_says_what_its_law_is() -> None:
         driver.select("contact", 1)
         buttons = driver.page.inspector.buttons
         assert [button.text for button in buttons if button.is_selected] == expected
-        assert len(buttons) == (5 if law else 0)  # Three kinds, lock, all alike.
+        # The five buttons are three kinds of contacts, "lock" and "all alike".
+        assert len(buttons) == (5 if law else 0)
 
 
 def test_the_method_menu_follows_keys_undo_and_redo(driver: Driver) -> None:
@@ -188,14 +195,15 @@ def test_one_of_nine_values_is_chosen_by_key_or_click(driver: Driver) -> None:
         chain = one_on(4, power_law(1.0, 0.1), mass=[variant.value, 1.0, 1.0, 1.0, 1.0])
         exact = simulate(chain, [1.0, 0.0, 0.0, 0.0, 0.0])
         assert variant.motion.velocity[-1] == pytest.approx(exact.final_velocity, abs=5e-3)
-    assert board.focus == 4  # The present mass.
-    assert [one.text for one in driver.texts()].count("v\N{SUBSCRIPT FOUR}") >= COUNT  # Each curve has a name.
+    assert board.focus == 4  # Variant 4 has the current mass.
+    # The name of the curve is drawn for each variant.
+    assert [one.text for one in driver.texts()].count("v\N{SUBSCRIPT FOUR}") >= COUNT
     driver.key(pygame.K_DOWN)
     driver.key(pygame.K_RETURN)
     assert driver.session.lanes[0].chain.mass[0] == masses[7]
     driver.select("contact", 1)
     driver.click(driver.page.inspector.controls["preload"].slider.rect.center)
-    driver.key(pygame.K_y)  # The slider that was used last.
+    driver.key(pygame.K_y)  # The key Y varies the parameter whose slider was used last.
     board = swept()
     assert board.parameter.key == "preload"
     driver.click(board.places[8].center)
@@ -215,9 +223,9 @@ def test_choosing_one_of_nine_values_gives_the_motion_shown(driver: Driver, kind
     driver.page.inspector.sweep(key)
     board = driver.app.dialog
     driver.until(lambda: board.found)
-    assert len(board.found) < COUNT  # Each variant is shown as soon as it is computed.
+    assert len(board.found) < COUNT  # Each variant is shown as soon as it has been computed, so some are still missing.
     driver.until(lambda: len(board.found) == COUNT)
-    # The value at the start of this motion.
+    # The dialog shows the value that the parameter had at the start of this motion.
     assert board.parameter.value == {"velocity": 0.0, "gap": 0.0, "mass": 1.0}[key]
     driver.click(board.places[6].center)
     assert driver.session.frame == 0
@@ -292,7 +300,10 @@ EDITS = {"remove": (pygame.K_DELETE, 0), "undo": (pygame.K_z, pygame.KMOD_CTRL),
 
 
 def test_an_edit_is_undone_in_the_frame_of_a_rebuild(driver) -> None:
-    """Check a page that is built in the same frame. It was built from beads that no longer existed."""
+    """Check that an edit can be undone in the same frame in which the page is built again.
+
+    In an earlier version, the page was built from beads that no longer existed.
+    """
     driver.click(driver.bead(2))
     driver.session.step_frames(200)
     driver.frames(2)
@@ -318,7 +329,7 @@ def test_a_click_uses_the_chain_after_an_edit_of_the_same_frame(driver, edit: st
 
 
 def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
-    """Check the look-ahead, which runs in a thread. The warning filters belong to all threads."""
+    """Check that predicting the motion in a thread does not change the warning filters, which all threads share."""
     scene = scenes.load("one-on-four").model_copy(update={"method": "euler", "step": 1e-3})
     for name in ("catch_warnings", "simplefilter", "filterwarnings", "warn"):
         monkeypatch.setattr(f"warnings.{name}", Mock(side_effect=AssertionError("a thread used the warnings")))
@@ -327,14 +338,19 @@ def test_the_look_ahead_does_not_touch_the_warning_filters(monkeypatch):
 
 @pytest.mark.parametrize("method", ["pymunk", "scipy", "euler"])
 def test_a_run_ahead_is_none_of_a_method_in_python(method):
-    """Check the method of the look-ahead. A comparison with pymunk blocked the window for more than ten minutes."""
+    """Check that the motion is predicted with a fast compiled method.
+
+    In an earlier version, a comparison with pymunk blocked the window for more than ten minutes.
+    """
     motions = motions_ahead(scenes.load("one-on-four").model_copy(update={"method": method}), MOST_AT_ONCE)
     assert motions[0].method.split(",")[0] == ("conserving" if method in ("pymunk", "scipy") else method)
 
 
 def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
-    """Check a slow look-ahead. The scales are estimated until a thread has computed them. The thread gives up if the
-    step is far too small.
+    """Check that a slow prediction of the motion does not block the window.
+
+    The scales of the plots are estimated until a thread has computed them. If the time step is far too small, the
+    thread gives up.
     """
     scene = scenes.load("one-on-four").model_copy(update={"method": "conserving", "step": 1e-9})
     driver.page.show_scene(scene)
@@ -345,7 +361,7 @@ def test_a_run_ahead_that_takes_long_does_not_hold_up_the_window(driver):
 
 
 def test_methods_that_reject_the_chain_are_not_offered() -> None:
-    driver, walked = Driver("experiment-one-on-three"), []  # The scene has a bed.
+    driver, walked = Driver("experiment-one-on-three"), []  # In this scene, the beads slide with friction.
     for _ in range(len(SUMMARIES)):
         driver.key(pygame.K_m, SHIFT)
         walked.append(driver.page.cards.method(0))

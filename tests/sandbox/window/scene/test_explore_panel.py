@@ -1,5 +1,6 @@
-"""Tests of the view with few controls, of the comparison with steel balls, and of the words and the explanation
-after a motion.
+"""Tests of the view with few controls and of the comparison with steel balls.
+
+They also check the description and the explanation after a motion.
 """
 
 import math
@@ -43,7 +44,7 @@ def test_few_controls_are_shown_until_the_lab_is_opened(explorer: Driver) -> Non
     assert places.lanes[0].height > 0.45 * explorer.app.size[1]
     assert [len(row) for row in places.plots] == [1]
     assert not places.insets.height
-    for level in ("good", "bad"):  # The badge shows a sentence only if the verdict is not good.
+    for level in ("good", "bad"):  # The verdict is shown as a sentence only if it is not "good".
         state = replace(explorer.session.health(0), level=level, sentence="beads are off")
         explorer.page.explore.health = lambda found=state: [found]
         assert ("beads are off" in explorer.said()) == (level == "bad")
@@ -56,7 +57,7 @@ def test_few_controls_are_shown_until_the_lab_is_opened(explorer: Driver) -> Non
     assert explorer.page.cards.menus
     explorer.key(pygame.K_F3)
     assert explorer.page.explore.controls
-    explorer.key(pygame.K_F7)  # In this view, the menu has no button.
+    explorer.key(pygame.K_F7)  # The view with few controls has a key for this menu, but not a button.
     assert explorer.app.dialog.names[0] in PLOT_KINDS
 
 
@@ -65,7 +66,7 @@ def test_alpha_is_set_for_the_row_or_a_selected_contact(explorer: Driver) -> Non
     before = impact_energy(lane.chain, 1, lane.setup.speed)
     explorer.run(60)
     explorer.enter("alpha", "1")
-    assert explorer.session.playing  # The motion starts again.
+    assert explorer.session.playing  # After the edit, the motion starts again.
     assert explorer.session.frame < 60
     assert [law.exponent for law in laws(explorer)] == [1.0] * 4
     lane = explorer.session.lanes[0]
@@ -91,7 +92,7 @@ def test_an_action_on_two_rows_is_one_undo_step() -> None:
     driver = Driver("locked-pistons", lab=False)
     undo = driver.session.undo
     before = [lane.velocity.tolist() for lane in driver.session.lanes]
-    for speed in ("0", "-1", "0.5"):  # 0.5 is the speed of the scene.
+    for speed in ("0", "-1", "0.5"):  # The last value, 0.5, is the original speed of the scene.
         driver.enter("speed", speed)
     assert [lane.velocity.tolist() for lane in driver.session.lanes] == before
     for _ in range(3):
@@ -102,7 +103,7 @@ def test_an_action_on_two_rows_is_one_undo_step() -> None:
     driver.session.scrub_frame(10)
     driver.page.editor.lock_all()
     driver.session.step_frames(20)
-    driver.session.scrub_frame(5)  # A frame before this edit.
+    driver.session.scrub_frame(5)  # Frame 5 is earlier than the frame at which the contacts were locked.
     driver.enter("speed", "2")
     assert all(lane.setup.locked[0] for lane in driver.session.lanes)
     for contacts, locked in ((4, True), (4, True), (4, False), (3, False)):
@@ -124,7 +125,8 @@ def test_a_row_is_compared_with_steel_balls(explorer: Driver) -> None:
     before = explorer.session.scene
     press(explorer, "Compare with steel balls")
     assert [law.exponent for law in laws(explorer, 1)] == [1.5] * 4
-    assert "softness, upper row" in explorer.said()  # The slider does not change the steel balls.
+    # The slider changes only the softness of the upper row, not the steel balls.
+    assert "softness, upper row" in explorer.said()
     assert explorer.session.playing
     assert len(explorer.app.focus.controls()) <= MOST_CONTROLS
     explorer.play_to_the_end()
@@ -137,7 +139,7 @@ def test_a_row_is_compared_with_steel_balls(explorer: Driver) -> None:
     explorer.enter("speed", "2")
     press(explorer, "Back to one row")
     scene = explorer.session.scene
-    # The scene has another speed.
+    # The description of the scene is empty because it does not apply to the changed speed.
     assert (scene.title, scene.text, scene.question) == (before.title, "", before.question)
     assert [lane.velocity.tolist() for lane in explorer.session.lanes] == [[2.0, 0.0, 0.0, 0.0, 0.0]]
     assert not explorer.page.unsaved, "another speed is a trial, no work to be lost"
@@ -155,7 +157,8 @@ def test_a_text_without_room_is_read_whole_below_the_pointer(explorer: Driver) -
         explorer.move(explorer.page.explore._about.center)
         with drawn_texts(explorer.app.size) as texts:
             explorer.app.paint()
-        shown = " ".join(one.text for one in texts)  # The text over the backdrop, which is already drawn.
+        # This includes only texts that are drawn over the stored background.
+        shown = " ".join(one.text for one in texts)
         assert ("not quite rigid" in shown) == cut
 
 
@@ -201,7 +204,7 @@ def test_the_clock_pauses_once_at_the_end_of_the_motion(driver) -> None:
     driver.until(lambda: page.cards.health[0].velocity_error is not None)
     assert page.cards.health[0].velocity_error < 1e-3
     stopped, seconds = driver.session.time, page.board.span.seconds
-    # The plot shows everything that was played.
+    # The plot shows the whole motion that was played.
     assert 0.0 <= page.board.span.x(0.0) < page.board.span.x(stopped) <= page.board.span.width
     driver.run(100)
     assert driver.session.playing
@@ -249,7 +252,7 @@ def test_why_stops_at_the_largest_force_and_opens_magnifiers(size, lab) -> None:
     for caption in ("45 cm", "force 1", "3 cm", "force 3/4", "0.6 mm", "force 1/2", "0.6 µm", "force 1/4"):
         assert caption in texts
     assert SAID[:40] in " ".join(texts)
-    driver.key(pygame.K_ESCAPE)  # This closes the explanation, not the page.
+    driver.key(pygame.K_ESCAPE)  # Escape closes the explanation but not the page.
     assert not driver.page.why.rows
     assert driver.page.board.plots
     driver.app.act("why")
@@ -270,7 +273,7 @@ def test_each_row_is_explained_at_its_own_largest_force(explorer: Driver) -> Non
     for row, lane, shown in zip((soft, steel), (0, 1), explorer.page.view.lanes, strict=True):
         force = last_slice(explorer.session.history, lane, explorer.session.history.last).force
         assert row.motion.force.max() == force.max()
-        # Each row has its own scale of forces: the largest bar fills the panel.
+        # Each row of beads has its own scale of forces. The bar of the largest force fills the panel.
         assert shown.drawing.bar_base - shown.drawing._bar_top(float(force.max())) > 0.9 * shown.drawing.bar_room
     words = explorer.said()
     assert "45" in words
@@ -289,7 +292,7 @@ def test_each_drag_of_a_slider_is_one_undo_step(
     assert len(explorer.session.undo_stack.done) == 3
     line = explorer.page.timeline
     explorer.drag((line.x(15), line.rect.centery), (line.x(5), line.rect.centery))
-    explorer.key(pygame.K_w)  # A dialog covers the timeline.
+    explorer.key(pygame.K_w)  # The key W opens a dialog that covers the timeline.
     explorer.release(line.rect.center)
     assert not line.dragged
 
@@ -303,7 +306,8 @@ def test_a_slider_is_dragged_all_the_way_after_the_end_of_a_motion(explorer: Dri
     before, (x, y) = control.parameter.value, control.slider.sliding_button.rect.center
     explorer.press((x, y))
     values = [before]
-    for moved in range(10, 101, 10):  # The card closes with the first pixel. The dragged slider stays.
+    # The card with the outcome closes at the first movement. The dragged slider must stay under the pointer.
+    for moved in range(10, 101, 10):
         explorer.move((x + moved, y), (1, 0, 0))
         explorer.frames(1)
         assert explorer.page.explore.controls[key] is control
@@ -453,7 +457,8 @@ def test_a_change_plays_again_and_keeps_the_previous_run_in_the_plot(explorer: D
     assert ghosts[0][-1].time[-1] == pytest.approx(ended, abs=0.05)
     assert [law.exponent for law in ghosts[0][0].chain.contact] == [0.1] * 4
     assert "faint: previous run" in explorer.said()
-    explorer.enter("alpha", "0.7")  # Without a collision in between, the ghost stays.
+    # The previous curves are kept for comparison, because no collision has happened since the last edit.
+    explorer.enter("alpha", "0.7")
     assert explorer.page.board.ghosts is ghosts
 
 
@@ -463,7 +468,7 @@ def test_the_wait_for_the_first_contact_is_short(explorer: Driver) -> None:
     while not explorer.session.lanes[0].state.force.any():
         explorer.frames(1)
         frames += 1
-    # 2 s of slow motion until the contact at t = 1 s: 1.5 s of them pass four times faster.
+    # The collision happens at t = 1 s, after 2 s of slow motion. The first 1.5 s of them are played four times faster.
     assert 45 < frames < 60
     assert explorer.session.time == pytest.approx(1.0, abs=0.02)
     before = explorer.session.frame
@@ -473,7 +478,7 @@ def test_the_wait_for_the_first_contact_is_short(explorer: Driver) -> None:
 
 def test_sums_of_energy_and_momentum_are_on_the_first_screen(explorer: Driver) -> None:
     assert {"0.5 J", "1 N s"} <= {one.text for one in explorer.texts()}
-    explorer.run(200)  # Amid the collision, a part of the energy is in the contacts.
+    explorer.run(200)  # After 200 frames, a part of the energy is stored in the contacts.
     assert explorer.session.lanes[0].motion.stored[0] > 0.1
     assert {"0.5 J", "1 N s"} <= {one.text for one in explorer.texts()}
     explorer.app.act("compare_balls")

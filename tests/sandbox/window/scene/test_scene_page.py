@@ -1,5 +1,7 @@
-"""Tests of the scene page with posted events: time, slow motion, sound; beads, forces, marks, labels, scrolling of
-plots.
+"""Tests of the scene page with simulated mouse and keyboard events.
+
+They check time, slow motion and sound. They also check the drawing of beads, forces, marks and labels, and the
+scrolling of plots.
 """
 
 import math
@@ -31,11 +33,11 @@ def test_the_timeline_goes_back_and_playing_starts_a_new_branch(driver: Driver) 
     assert not driver.session.playing
     last = driver.session.history.last
     driver.key(pygame.K_HOME)
-    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)  # Go to the next contact event.
+    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)  # This key goes to the next time at which a contact opens or closes.
     before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state
     assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
-    assert abs(after.time - 1.0) < 0.02  # The striker flies 1 m at 1 m/s.
-    driver.key(pygame.K_MINUS)  # Slower motion, which drops no frame.
+    assert abs(after.time - 1.0) < 0.02  # The striker moves 1 m with 1 m/s before it hits the next bead.
+    driver.key(pygame.K_MINUS)  # Slowing down the motion does not drop stored frames.
     assert driver.session.history.last == last
     driver.run(3)
     assert driver.session.slow == 5.0
@@ -51,7 +53,7 @@ def test_keys_and_slider_set_the_slow_motion(driver: Driver) -> None:
     slider = driver.page.time_controls.slider
     driver.pull(slider.sliding_button.rect.center, (slider.rect.right - 5, slider.rect.centery))
     assert driver.session.slow > 500.0
-    # Press on the track of the slider.
+    # Press the mouse button on the track of the slider, next to its handle.
     driver.press((slider.rect.left + 3 * slider.rect.width // 4, slider.rect.centery))
     driver.frames(2)
     assert 40.0 < driver.session.slow < 80.0
@@ -60,11 +62,11 @@ def test_keys_and_slider_set_the_slow_motion(driver: Driver) -> None:
     assert driver.session.slow == 1000.0
     driver.release((slider.rect.right, slider.rect.centery))
     driver.key(pygame.K_EQUALS, times=20)
-    assert driver.session.slow == 0.01  # Faster than real time.
+    assert driver.session.slow == 0.01  # A value below 1 means that the motion is faster than real time.
     driver.run(10)
     assert driver.session.time > 5.0
     scene = driver.session.scene
-    # The value of a scene can be outside the range of the slider.
+    # A scene can have a value that is outside the range of the slider.
     for slow, slower, faster in ((5000.0, 5000.0, 1000.0), (0.001, 0.01, 0.001)):
         for key, expected in ((pygame.K_MINUS, slower), (pygame.K_EQUALS, faster)):
             driver.page.show_scene(scene.model_copy(update={"view": scene.view.model_copy(update={"slow": slow})}))
@@ -121,7 +123,7 @@ def test_a_motion_is_over_after_its_last_force() -> None:
     for frames, over in ((59, False), (62, True)):
         session.step_frames(frames)
         assert session.lanes[0].over == over
-    stiff = {"law": "hertz", "stiffness": 1e6}  # Two beads are at rest at the end, up to round-off.
+    stiff = {"law": "hertz", "stiffness": 1e6}  # With these stiff contacts, two beads end at rest except for round-off.
     for velocity, gap, frames in (([-1.0, 0.0, 0.0], 0.0, 0), ([1.0, 0.0, 0.0], 0.1, 60)):
         lane = {"velocity": velocity, "contact": stiff, "gap": gap}
         session = Session(Scene.model_validate({"title": "Two rest", "lanes": [lane]}))
@@ -178,7 +180,7 @@ def test_the_view_is_zoomed_dragged_and_fitted(driver: Driver) -> None:
     driver.key(pygame.K_SPACE)
     for _ in range(20):
         driver.frames(30)
-        assert in_sight(driver)  # Beads stay visible automatically.
+        assert in_sight(driver)  # The view changes automatically, so all beads stay visible.
     assert driver.session.time > 4.0
     lane = {"velocity": [1e-6, 0.0], "contact": {"law": "hertz", "stiffness": 1.0}}
     small = Scene.model_validate({"title": "Micrometres", "lanes": [lane], "view": {"length": 1e-6}})
@@ -193,7 +195,7 @@ def test_marks_of_rigid_clusters_are_of_the_beads_that_there_are(driver: Driver)
     assert len(driver.page.view.lanes[0].drawing.ends) == 4
     driver.select("bead", 4)
     driver.key(pygame.K_DELETE)
-    # Marks of the three beads that are pushed, Eq. (5).
+    # Eq. (5) applies to the three beads that are hit, so only these beads have marks.
     assert driver.page.view.lanes[0].drawing.ends == (True, False, False)
 
 
@@ -248,7 +250,7 @@ def test_a_selection_has_the_shape_of_its_body() -> None:
     assert 2 * corner < rect.width
     frame = rect.inflate(2 * gap, 2 * gap)
     assert has_colour(driver, [(frame.centerx, frame.top), (frame.left, frame.centery)], tones.foreground)
-    driver.app.act("law_all")  # Power laws are drawn as round beads.
+    driver.app.act("law_all")  # After this action, all contacts follow a power law and the beads are drawn as circles.
     driver.frames(2)
     lane = driver.page.view.lanes[0]
     rect, corner = lane.drawing.body_shape(1, float(lane.edges[1]))

@@ -1,5 +1,6 @@
-"""Tests of the tools of the page: arrows, tables of values, sharing, comparison, stopwatch, ruler, and their menu by
-keys.
+"""Tests of the tools of the scene page: arrows, tables of values, sharing, comparison, stopwatch and ruler.
+
+They also check that the menus of the tools can be used with keys.
 """
 
 import pygame
@@ -43,14 +44,15 @@ def test_values_and_outcome_are_shown_and_copied(driver: Driver) -> None:
     table = [line.split(",") for line in pygame.scrap.get_text().splitlines()]
     assert table[0] == ["time (s)", "0.0"]
     assert table[2][:3] == ["alpha = 1/10", "0", "1.0"]
-    assert float(table[2][4]) == 1.0  # Velocity of the striker [m/s].
+    assert float(table[2][4]) == 1.0  # This cell contains the velocity of the striker in m/s.
     assert len(table) == 1 + 6 + 5
     driver.key(pygame.K_w)
     assert "Bead 0 moves right at 1\N{NO-BREAK SPACE}m/s." in driver.app.dialog.note
     driver.key(pygame.K_LEFT)
     driver.key(pygame.K_RETURN)
     assert pygame.scrap.get_text().startswith("At 0\N{NO-BREAK SPACE}s.")
-    for key in (pygame.K_b, pygame.K_t, pygame.K_t):  # Without plots there is no room for the table.
+    # The table of values replaces the plots. If the plots are hidden, the table cannot be shown.
+    for key in (pygame.K_b, pygame.K_t, pygame.K_t):
         driver.key(key)
 
 
@@ -68,7 +70,7 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver) -> None:
     assert any("not a whole scene" in text for text in driver.messages)
     pygame.scrap.put_text(" ")
     driver.key(pygame.K_v, CTRL)
-    driver.app.open("")  # Like an empty input.
+    driver.app.open("")  # This is equal to confirming an empty input.
     assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "unknown scene '' (soft"]
 
 
@@ -81,8 +83,9 @@ def test_a_scene_is_compared_with_an_edited_copy(driver: Driver) -> None:
     driver.run(60)
     assert driver.session.lanes[0].chain.mass[1] == 1.0
     driver.session.apply(SetMass(0, 2, 3.0))
-    driver.key(pygame.K_d, CTRL)  # Compare the first of the two lanes.
-    driver.click(driver.app.dialog.buttons["Don't save"].rect.center)  # Discard the edits of the second lane.
+    driver.key(pygame.K_d, CTRL)  # With two rows of beads, this key compares the first row with a copy.
+    # The button discards the edits of the second row.
+    driver.click(driver.app.dialog.buttons["Don't save"].rect.center)
     assert "• One bead on four, compared" in [one.text for one in driver.texts()]
     assert [driver.session.label(k) for k in (0, 1)] == ["alpha = 1/10, edited", "alpha = 1/10, edited, the other"]
     assert driver.session.lanes[1].chain.mass == (1.0, 1.0, 3.0, 1.0, 1.0)
@@ -96,12 +99,12 @@ def test_edits_of_a_row_that_would_go_are_asked_for(action: str) -> None:
     driver.session.apply(SetMass(1, 1, 7.0))
     driver.app.act(action)
     assert driver.app.dialog.title == "Save your changes?"
-    driver.key(pygame.K_ESCAPE)  # Stay on the page.
+    driver.key(pygame.K_ESCAPE)  # Escape closes the question and keeps the current page.
     assert driver.app.page is page
     assert driver.session.lanes[1].chain.mass[1] == 7.0
     driver.page.dialogs.save("save_scene", "mine")
     driver.session.undo()
-    driver.session.apply(SetMass(0, 1, 7.0))  # This edit is kept with the first row.
+    driver.session.apply(SetMass(0, 1, 7.0))  # The first row of beads is kept, so this edit is not lost.
     driver.app.act(action)
     assert driver.app.page is not page
     assert driver.session.lanes[0].chain.mass[1] == 7.0
@@ -136,7 +139,7 @@ def test_stopwatch_and_ruler_measure() -> None:
     driver = Driver("steel-and-soft", size=(1280, 800))
     watch, ruler = driver.page.tools.stopwatch, driver.page.tools.ruler
     driver.key(pygame.K_k)
-    # The unit is the unit of the clock, as it is later.
+    # The stopwatch has the same unit as the clock from the beginning.
     assert "stopwatch 0.000 s (running)" in [one.text for one in driver.texts()]
     driver.run(30)
     driver.key(pygame.K_k)
@@ -172,7 +175,7 @@ def test_a_menu_does_its_actions_by_keys_and_clicks(driver: Driver, menu: str) -
 
 
 def test_a_menu_marks_what_is_shown_and_is_clicked(driver: Driver) -> None:
-    driver.key(pygame.K_3)  # Hide the overlaps.
+    driver.key(pygame.K_3)  # The key 3 hides the plot of overlaps.
     driver.app.act("plots_menu")
     marked = [button.text.split("  ")[1] for button in driver.app.dialog.buttons if button.text.startswith("✓")]
     assert marked == ["velocities", "forces"]
@@ -189,11 +192,12 @@ def test_rows_are_selected_and_scrolled_to() -> None:
     values = driver.page.tools.values
     place = values.places[0]
     assert not place.whole
-    driver.click((place.rect.centerx, place.rect.top + 2))  # Click on the names of columns.
+    # Click on the heading of the table, which must not select a bead.
+    driver.click((place.rect.centerx, place.rect.top + 2))
     assert driver.page.editor.selection is None
     driver.click(place.strip(1).center)
     assert driver.page.editor.selection == Pick(0, "bead", 1)
     driver.wheel(place.rect.center, -9)
     assert values.places[0].last == 11
-    driver.key(pygame.K_LEFT, times=2)  # The table scrolls to the selection.
+    driver.key(pygame.K_LEFT, times=2)  # Selecting another bead scrolls the table to this bead.
     assert values.places[0].first == 0
