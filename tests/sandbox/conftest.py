@@ -11,7 +11,7 @@ from softcradle.sandbox.console import set_quiet
 def softcradle(capsys):
     """Return a function that runs the command `softcradle` with the given words.
 
-    The function checks that the exit code is `code`. It returns the standard output and the standard error.
+    The function checks that the exit code is `code`. The function returns the standard output and the standard error.
     """
 
     def run(*words, code=0):

@@ -1,5 +1,5 @@
-"""Tests of mistakes of users. The command must print one sentence and return exit code 2. It must leave no file and
-print no traceback.
+"""Tests of mistakes of users. The command must print one sentence and return exit code 2. The command must leave no
+file and print no traceback.
 """
 
 import re

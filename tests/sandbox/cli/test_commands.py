@@ -1,6 +1,6 @@
 """Tests of the command line: the help, the output and the files of each subcommand.
 
-They also check narrow terminals, limited text encodings, a full disk and a computer without a display.
+The tests also check narrow terminals, limited text encodings, a full disk and a computer without a display.
 """
 
 import csv
@@ -170,8 +170,8 @@ def test_errors_are_relative_to_the_start():
 def test_work_of_a_moving_wall_is_no_error_of_energy(velocity):
     """Check the energy error of a chain of beads with a moving wall.
 
-    The error is relative to the largest energy, because the energy at the start can be 0. It is None if friction with
-    the ground also takes momentum.
+    The error is relative to the largest energy, because the energy at the start can be 0. The error is None if friction
+    with the ground also takes momentum.
     """
     chain = Chain([1.0, 1.0, math.inf], hertz(30.0), gap=[0.1, 0.0])
     known = summarise("", simulate(chain, velocity, 2.0))

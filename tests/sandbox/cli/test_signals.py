@@ -107,7 +107,7 @@ def test_a_command_hears_it_while_kernels_are_compiled(command, number, word, tm
     assert process.returncode == 128 + number, lines
     assert lines[-1] == f"softcradle: {word}"
     assert all(line.startswith("softcradle: ") for line in lines)
-    # A background process may still compile kernels for the process that has ended. It is killed here.
+    # Kill the background process that still compiles kernels for the ended command.
     for lock in cache.rglob("*.compiling"):
         os.kill(int(lock.read_text().split()[0]), signal.SIGKILL)
 

@@ -1,5 +1,5 @@
-"""Tests of the command `softcradle sweep`. They cover study files, error messages, missing points and points that were
-computed earlier.
+"""Tests of the command `softcradle sweep`. The tests cover study files, error messages, missing points and points that
+were computed earlier.
 """
 
 import re

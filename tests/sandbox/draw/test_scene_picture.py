@@ -1,7 +1,7 @@
 """Tests of the pictures of scenes.
 
-They check that a picture shows the motion to scale and depends only on the sample. They also check that texts fit,
-numbers are correct and colours are distinct.
+The tests check that a picture shows the motion to scale and depends only on the sample. The tests also check that texts
+fit, numbers are correct and colours are distinct.
 """
 
 import math
@@ -267,7 +267,7 @@ def test_the_drawing_cache_drops_the_oldest_first():
     # The square with side 400 needs 0.61 MB, so two older squares are dropped. Drawing 255 again drops the square with
     # side 400.
     assert drawn_anew(400, 254, 255, 254) == [400, 255]
-    # The square with side 2000 is larger than the cache. It is kept only until the next drawing.
+    # The square with side 2000 is larger than the cache. Such a large square is kept only until the next drawing.
     assert drawn_anew(2000, 2000) == [2000]
     clear_cached_surfaces()
     # The cache again has room for three squares, because dropped squares do not count.
@@ -296,9 +296,9 @@ CLUSTERS = [
     ([-1, 0, 0, -1], [1, 0, 0, 0, 0], [0, 0, 0, -1], [1, 1, 1, 0], [0, 2 / 3, 1 / 3, 0]),
     ([-1, -1, 0, 0], [1, 0, 0, 0, 0], [0, -1, 0, 0], [1, 0, 1, 1], [0, 0, 0, 0]),
     ([-1, 0, -1, 0], [1, 0, 0, 0, 0], [0, 0, -1, 0], [1, 1, 0, 1], [0, 0.5, 0, 0]),
-    # In this case, the cluster is hit from the right.
+    # A bead hits the cluster from the right.
     ([0, -0.5, 0, -1], [0, 0, 0, 0, -1], [0, -0.5, 0, 0.1], [0, 0, 0.7, 1.0], [0, 0, 0.5, 0]),
-    # Three beads are hit from the left with a force of 3 N. They have hit a fourth bead, which pushes back with 1 N.
+    # Three beads are hit from the left with a force of 3 N. A fourth bead pushes back with 1 N.
     ([-1, 0, 0, -1e-3], [1, 0, 0, 0, 0], [0.1] * 4, [3, 2, 2, 1], [0, 3 * 2 / 3 + 1 / 3, 3 / 3 + 2 / 3, 0]),
 ]
 

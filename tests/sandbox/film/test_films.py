@@ -198,7 +198,8 @@ def test_a_full_folder_or_a_missing_codec_is_an_error(tmp_path, monkeypatch):
 def test_few_frames_show_the_same_curves(tmp_path, monkeypatch):
     """Check that a film with 5 frames per second shows smooth force curves.
 
-    Such a film once showed ramps. The motion now has as many samples as in a film with the usual frame rate.
+    In an earlier version, the curves of such a film were ramps. The motion now has as many samples as in a film with
+    the usual frame rate.
     """
     drawn = Mock(wraps=Picture)
     monkeypatch.setattr(scene_film, "Picture", drawn)

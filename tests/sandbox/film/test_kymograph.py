@@ -1,6 +1,7 @@
 """Tests of kymographs, which are pictures of positions over time.
 
-They check that the camera frames agree with the motion to one pixel. They also check scale bars, marks and the command.
+The tests check that the camera frames agree with the motion to one pixel. The tests also check scale bars, marks and
+the command.
 """
 
 import numpy as np
@@ -70,7 +71,7 @@ def test_the_paper_s_camera_where_units_are_the_paper_s():
 def test_a_kymograph_has_scale_bars_and_marks(tmp_path, softcradle):
     """Check the scale bars, and the two dotted lines across the kymograph.
 
-    The first line is at t = 0. The second one is at the time at which a bead has moved 20 mm with 0.5 m/s.
+    The first line is at t = 0. The second line is at the time at which a bead has moved 20 mm with 0.5 m/s.
     """
     # Frame rate [frames/s], half of the frame rate of the camera in the paper.
     path, rate = tmp_path / "x.kymograph.png", 1026.0

@@ -22,7 +22,8 @@ from tests.helpers.paths import ROOT
 from tools.update_catalogues import is_translated, read_catalogue
 
 CODES = [code for code in LANGUAGES if code != "en"]
-# Modules whose errors the window never shows. They are interfaces for Python programs, or report a wrong installation.
+# Modules whose errors the window never shows. Their functions are called only by Python programs, or their errors
+# report a wrong installation.
 API_ONLY = ("analysis", "batch", "numerics", "pymunk_contacts", "__init__.py", "ensemble_runs.py", "extras.py")
 # Modules of the sandbox whose errors the window can show. The modules in IMPOSSIBLE report only programming errors,
 # which a user cannot cause.

@@ -1,6 +1,6 @@
 """Tests of translations: plural forms, number formats, and the choice of the language from the locale.
 
-They also check the translated texts of scenes and the translated error messages of the physics.
+The tests also check the translated texts of scenes and the translated error messages of the physics.
 """
 
 import string

@@ -1,6 +1,6 @@
 """Tests of the notebook views of results and scenes.
 
-They check short texts, figures, films, tables for other Python packages, and opening the window.
+The tests check short texts, figures, films, tables for other Python packages, and opening the window.
 """
 
 import base64

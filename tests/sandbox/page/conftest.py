@@ -32,7 +32,7 @@ VOID = frozenset({"meta", "link", "img", "br", "path", "rect", "input"})
 class TagChecker(HTMLParser):
     """A parser that checks that every tag is closed.
 
-    It collects the links and the ids of the page.
+    The parser also collects the links and the ids of the page.
     """
 
     def __init__(self, text):

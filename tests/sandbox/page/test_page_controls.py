@@ -1,7 +1,7 @@
 """Tests of the controls of the web page.
 
-They check names and roles for screen readers, keys, touch, colour contrast and sizes. They also check settings that a
-link requests.
+The tests check names and roles for screen readers, keys, touch, colour contrast and sizes. The tests also check
+settings that a link requests.
 """
 
 import numpy as np
@@ -53,8 +53,8 @@ SLIDERS = {  # For each slider: the keys to press, and the text of its value aft
 }
 AT = """(() => { const box = document.getElementById('%s').getBoundingClientRect();
   return [box.left, box.top, box.width, box.height]; })()"""
-# Script that records the texts drawn on canvases. It stores the colour of each text and the most frequent colour behind
-# it.
+# Script that records the texts drawn on canvases. For each text, the script stores its colour and the most frequent
+# colour behind the text.
 WRITTEN = """(() => {
   const pen = CanvasRenderingContext2D.prototype, text = pen.fillText;
   window.written = [];

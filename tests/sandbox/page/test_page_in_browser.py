@@ -1,6 +1,6 @@
 """Tests of the web page in a real browser, which must report no errors.
 
-They check throwing beads with mouse, touch and keys, rewinding the motion, comparing two rows of beads, and links.
+The tests check throwing beads with mouse, touch and keys, rewinding the motion, comparing two rows of beads, and links.
 """
 
 import re
@@ -166,7 +166,7 @@ def test_the_ground_follows_a_row_that_is_driven_for_very_long(browser, tmp_path
     ("row", "last"),
     [
         ({"velocity": [0, 0, 0], "gap": [0.5, 0], "drive": [1, 0, 0], "duration": 5.0}, 5.0),
-        # The beads are pressed together and released. They separate after 0.69 s.
+        # The beads are pressed together and released. The beads separate after 0.69 s.
         ({"velocity": [0, 0, 0], "gap": [-0.2, -0.2]}, 2.19),
         ({"velocity": [1, 0, 0], "gap": [1, 0], "friction": 0.05}, 3.86),  # All beads are at rest after 2.36 s.
     ],

@@ -1,4 +1,4 @@
-"""Tests of the web page in Firefox. They are skipped if Firefox is not installed.
+"""Tests of the web page in Firefox. The tests are skipped if Firefox is not installed.
 
 The page must compute and draw the motion without errors, at the size of a desktop screen and of a phone.
 """
@@ -22,8 +22,8 @@ user_pref("ui.prefersReducedMotion", 1);
 user_pref("ui.systemUsesDarkTheme", %d);
 user_pref("devtools.console.stdout.content", true);
 """
-# Script that reports if the compiled kernels run, and the final state of the beads. It also counts the drawn pixels in
-# the colour of each bead.
+# Script that reports if the compiled kernels run, and the final state of the beads. The script also counts the drawn
+# pixels in the colour of each bead.
 LOOK = """<script>
 window.addEventListener('error', (event) => console.log('FOUND ' + JSON.stringify({thrown: String(event.error)})));
 started.then((page) => {

@@ -1,6 +1,6 @@
 """Tests of sharing a web page by links, QR codes, embedded frames, tables and pictures.
 
-They also check the messages between an embedded page and the website that contains it.
+The tests also check the messages between an embedded page and the website that contains it.
 """
 
 import base64

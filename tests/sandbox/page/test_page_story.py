@@ -1,6 +1,7 @@
 """Tests of the question that a web page asks before the motion.
 
-They check the possible answers, the verdict after the motion, and the explanation at the moment of the largest force.
+The tests check the possible answers, the verdict after the motion, and the explanation at the moment of the largest
+force.
 """
 
 import numpy as np

@@ -15,8 +15,8 @@ from softcradle.sandbox.session.session import Session
 from softcradle import scenes
 from tests.helpers.sessions import INPUTS, check_invariants, check_replay, fitted, opened, picture, read_all
 
-# The scenes cover single rows and pairs of rows of beads, external forces and different contact laws. They also cover
-# couplers with friction and brakes, and beads that are pressed together at the start.
+# The scenes cover single rows and pairs of rows of beads, external forces and different contact laws. Other scenes
+# contain couplers with friction and brakes, and beads that are pressed together at the start.
 SCENES = st.sampled_from(
     ("one-on-four", "beads-against-gear", "driven-cluster", "mixed", "train-braking", "prestressed")
 )

@@ -1,7 +1,7 @@
 """Tests of edits of a running session, including undo and redo.
 
-They check which values an edit changes and which values it must not change. They also check in which tables and panels
-a number can be edited.
+The tests check which values an edit changes and which values it must not change. The tests also check in which tables
+and panels a number can be edited.
 """
 
 import math

@@ -1,6 +1,6 @@
 """Tests of the stored frames of a session.
 
-They check the contents of the frames, the memory limit, and the times at which contacts open and close.
+The tests check the contents of the frames, the memory limit, and the times at which contacts open and close.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Tests of sessions, which are simulations that a user plays and edits.
 
-They check the clock, the stored frames, continuing from earlier frames, and pulling beads with the pointer. They also
-check descriptions in words and the agreement with the physics engine.
+The tests check the clock, the stored frames, continuing from earlier frames, and pulling beads with the pointer. The
+tests also check descriptions in words and the agreement with the physics engine.
 """
 
 import math
@@ -220,8 +220,8 @@ def test_descriptions_use_the_present_beads():
 def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
     """Check which closings of contacts are not described as hits.
 
-    Touching beads that are pressed together by a force do not hit each other. Neither do wagons whose coupler reaches
-    the end of its slack.
+    Touching beads that are pressed together by a force do not hit each other. Wagons whose coupler reaches the end of
+    its slack do not hit each other either.
     """
     session = opened(name, frames=300)
     assert session.contact_events().closed.any()
@@ -232,7 +232,8 @@ def test_beads_that_are_pushed_or_pulled_hit_nobody(name):
 def test_the_bead_that_hits_is_the_one_that_approached(name):
     """Check which beads are named in the description of the first hit.
 
-    Contacts that touch or are pressed at the start can close at the same time or earlier. They must not be named.
+    Contacts that touch or are pressed at the start can close at the same time or earlier. The beads of these contacts
+    must not be named.
     """
     scene = scenes.load(name)
     for lane, found in zip(scene.lanes, run_scene(scene), strict=True):

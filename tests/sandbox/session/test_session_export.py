@@ -1,8 +1,8 @@
 """Tests of the files that a session writes and reads.
 
-They check that a saved scene reads back equal, and that other programs can read exported motions. They also check
-measured data and recordings. A replay of a recording must be bitwise equal to the session, or it must name the first
-frame that differs.
+The tests check that a saved scene reads back equal, and that other programs can read exported motions. The tests also
+check measured data and recordings. A replay of a recording must be bitwise equal to the session, or it must name the
+first frame that differs.
 """
 
 import json
@@ -233,7 +233,7 @@ def test_a_full_recording_starts_again(method, tmp_path, monkeypatch):
     replay = check_replay(session, tmp_path / "late.npz")
     assert "agrees" in replay.sentence
     assert replay.session.frame == session.frame
-    # The session continues after the end of the recording. These frames are not in the file.
+    # This frame is played after the end of the recording and is therefore not in the file.
     replay.session.step_frames(1)
     assert f"left at frame {session.frame - session.recording.frame}" in replay.sentence
     session.scrub_frame(5)

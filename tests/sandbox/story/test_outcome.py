@@ -53,7 +53,8 @@ def test_groups_of_known_collisions(velocity, groups):
 def test_rigid_cluster_that_carries_the_momentum_is_not_still(count):
     """Check the collision of one bead with a long rigid cluster.
 
-    The cluster is slow, but it carries twice the momentum of the striker. It must not count as nearly at rest.
+    The cluster is slow, but it carries twice the momentum of the striker. Such a cluster must not count as nearly at
+    rest.
     """
     speed = 2.0 / (count + 1)
     assert groups_of([speed - 1.0] + [speed] * count) == [(0, 0, MOVES), (1, count, MOVES)]

@@ -1,6 +1,6 @@
 """Tests of the scenes for the paper's experiment, in which beads slide with friction, and of the scenes with trains.
 
-They also check the fit of the friction coefficient.
+The tests also check the fit of the friction coefficient.
 """
 
 import json

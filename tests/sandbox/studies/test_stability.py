@@ -34,7 +34,7 @@ def made_run(spread, energy=0.0, switches=0, fineness=0.1, warned=True):
     ("run", "failure"),
     [
         (made_run(1e-3), None),
-        # The contacts chatter, but the error is small. This does not count as a failure.
+        # Chattering contacts with a small error do not count as a failure.
         (made_run(1e-3, switches=1000), None),
         (made_run(0.1, switches=1000), Failure.CHATTER),
         (made_run(0.1), Failure.ERROR),
@@ -68,8 +68,8 @@ def test_verlet_on_five_very_soft_beads_chatters_and_warns():
 @pytest.mark.parametrize("scan", SCANS, ids=lambda scan: scan.name)
 @pytest.mark.parametrize("method", EXPLICIT)
 def test_inside_the_estimate_the_error_holds(scan, method):
-    """Check the error of each explicit method with a third of the step `stable_step`. It must be at most twice the
-    requested error.
+    """Check the error of each explicit method with a third of the step `stable_step`. The error must be at most twice
+    the requested error.
 
     Each of four contacts can end its chattering at any point of the error range. The mean error over several steps can
     therefore be twice as large.

@@ -120,8 +120,8 @@ print(*(found[name].to_numpy().ravel().tolist() for name in ("status", "product"
 def test_a_point_that_kills_its_process_is_marked(tmp_path):
     """Check that a point that kills its process is marked as failed.
 
-    The executor "auto" computes the first points in the main process. It writes a note about the current point, which
-    the next start reads.
+    The executor "auto" computes the first points in the main process. The main process writes a note about the current
+    point. The next start of the sweep reads this note.
     """
     x, y = (str(tmp_path / name) for name in ("x.nc", "y.nc"))
     options = {"check": False, "timeout": 300, "PYTHONPATH": str(ROOT)}

@@ -1,7 +1,7 @@
 """Fixtures for tests of the window.
 
-They use the settings of a first start. They also reduce the number of garbage collections, which take half of the test
-time.
+The fixtures use the settings of a first start. The fixtures also reduce the number of garbage collections, which take
+half of the test time.
 """
 
 from collections.abc import Iterator

@@ -1,6 +1,6 @@
 """Tests of the application: its help, window sizes, text scales, messages, colour themes and settings.
 
-They also check how the main loop ends.
+The tests also check how the main loop ends.
 """
 
 import io
@@ -142,7 +142,7 @@ def test_messages_lie_on_neither_plots_nor_beads_nor_controls(start: str, scale:
 )
 def test_a_message_about_a_long_name_fits_the_window(size, letters: str) -> None:
     driver = Driver("one-on-four", size)
-    driver.app.open(letters * 10_000)  # This imitates a pasted text that is not a scene.
+    driver.app.open(letters * 10_000)  # The argument imitates a pasted text that is not a scene.
     with patch.object(text, "width", Mock(wraps=text.width)) as measured:
         driver.frames(2)
     assert measured.call_count < 5000

@@ -1,4 +1,4 @@
-"""Tests of the table of keys. They check that every control can be used without a mouse."""
+"""Tests of the table of keys. The tests check that every control can be used without a mouse."""
 
 import pygame
 import pytest
@@ -23,7 +23,7 @@ def test_every_key_has_one_action(driver: Driver) -> None:
 def test_a_key_that_is_held_repeats_only_what_is_gradual(driver: Driver) -> None:
     """Check that a key that is held down repeats its action only if the action is gradual.
 
-    The operating system sends repeated key-down events in this case.
+    While a key is held down, the operating system sends repeated key-down events.
     """
 
     def hold(code, times=5):

@@ -28,7 +28,7 @@ SCALES = (0.8, 1.0, 1.3, 1.5, 2.0)
 CASES = [
     *((size, "en", True) for size in SIZES),
     *((size, code, True) for code in ("de", "fr") for size in (SIZES[0], SIZES[2])),
-    # Cases of the view with few controls. These sizes occur on screens with a scale of 200 %.
+    # Cases of the view with few controls. Such window sizes occur on screens with a scale of 200 %.
     *((size, code, False) for code in ("de", "fr") for size in ((1024, 600), (1280, 800))),
 ]
 

@@ -1,7 +1,7 @@
 """Tests that the user does not lose work.
 
-They check undo and questions before edits or files are discarded. They also check interrupted drags, and films that are
-being recorded.
+The tests check undo and questions before edits or files are discarded. The tests also check interrupted drags, and
+films that are being recorded.
 """
 
 import os
@@ -111,7 +111,7 @@ def test_the_newest_unsaved_scene_is_offered_first() -> None:
         assert path in unsaved_paths()
         driver = Driver()
         driver.key(pygame.K_RIGHT)
-        driver.key(pygame.K_RETURN)  # This key press confirms the button "Discard it".
+        driver.key(pygame.K_RETURN)  # The Return key confirms the button "Discard it".
         driver.close()
         assert path not in unsaved_paths()
     driver = Driver()
@@ -132,7 +132,8 @@ def test_the_edits_of_a_window_that_runs_are_no_other_windows(driver: Driver) ->
     second.app.quit()
     second.close()
     assert unsaved_paths() == [own]
-    driver.app.close()  # Closing the window in this way releases the file, as after the end of a killed process.
+    # Closing the application releases the file with the unsaved edits, like the end of a killed process.
+    driver.app.close()
     found = left_over()
     assert found.path == own
     found.release()
@@ -179,7 +180,7 @@ def test_edits_are_not_lost_unasked(driver: Driver, leave) -> None:
     driver.key(pygame.K_ESCAPE)  # Escape closes the question and keeps the current page.
     assert driver.app.page is page
     leave(driver)
-    driver.key(pygame.K_RETURN)  # This key press confirms the button "Save ...".
+    driver.key(pygame.K_RETURN)  # The Return key confirms the button "Save ...".
     driver.answer("kept")
     assert Path("kept.toml").exists()
     driver.key(pygame.K_ESCAPE)
@@ -320,7 +321,7 @@ def test_a_saved_session_replays_with_the_same_digits(driver: Driver, tmp_path: 
         driver.page.actions[name]()
     assert driver.session.frame == 97
     driver.page.actions["slower"]()
-    # The motion continues from the newest frame with slower motion. At this time, a bead is held by the pointer.
+    # The motion continues from the newest frame with slower motion. Meanwhile, the pointer holds a bead.
     driver.run(5)
     assert 100 < driver.session.frame < 108
     assert driver.session.held.bead == 4.0
@@ -347,7 +348,8 @@ def test_history_and_screenshot_are_saved(driver: Driver, tmp_path, monkeypatch)
     assert driver.app.settings.recent == [str(tmp_path / "session.npz")]
     driver.key(pygame.K_p)
     assert pygame.image.load(str(tmp_path / "one-bead-on-four.png")).get_size() == (1280, 720)
-    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # This imitates a user without a home folder.
+    # The replaced function imitates a user without a home folder.
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)
     driver.key(pygame.K_p)
     assert driver.messages[-1] == f"saved {tmp_path / 'one-bead-on-four-2.png'}"
 

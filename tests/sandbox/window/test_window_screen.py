@@ -61,8 +61,8 @@ class Screen:
 
 @pytest.fixture
 def screen(tmp_path: Path) -> Iterator[Screen]:
-    # Without the option -noreset, Xvfb restarts when its last client disconnects. It rejects clients that connect at
-    # that moment.
+    # Without the option -noreset, Xvfb restarts when its last client disconnects. During the restart, Xvfb rejects new
+    # clients.
     command = ["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
         try:

@@ -1,7 +1,7 @@
 """Tests of the command `softcradle compare`.
 
-They check its numbers against reference values, the fit of the nearest contact law, and the report as text, film and
-web page.
+The tests check its numbers against reference values, the fit of the nearest contact law, and the report as text, film
+and web page.
 """
 
 import json
@@ -150,8 +150,8 @@ def test_page_in_a_browser(page, tmp_path):
         # The page shows the velocities and the forces of each row of beads.
         assert times == pytest.approx([moment] * 2 * len(results))
         tables = browser.run("[...document.querySelectorAll('table')].map((t) => t.rows.length)")
-        # The first table lacks a line about oscillations of forces, because no force oscillates. It contains four final
-        # velocities and their accuracy.
+        # The first table lacks a line about oscillations of forces, because no force oscillates. The table contains
+        # four final velocities and their accuracy.
         assert tables == [1 + 13 + 5, 4, 4, 4]
         fits = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
         assert browser.run(fits)
@@ -193,8 +193,8 @@ pull = {law = "draft_gear", stiffness = 10.0, precompression = 0.1, loss = 0.5}
 def test_charts_of_couplers_agree_with_tables(tmp_path):
     """Check that the charts and the tables of a comparison agree for couplers.
 
-    In an earlier version, a chart showed pulled contacts as touching. It also computed the unloading of pushing
-    contacts with the loss of the pulling gear.
+    In an earlier version, a chart showed pulled contacts as touching. The chart also used the loss of the pulling gear
+    for the unloading of pushing contacts.
     """
     path = tmp_path / ("pulled\udcff.toml" if sys.platform == "linux" else "pulled.toml")
     path.write_text(PULLED)

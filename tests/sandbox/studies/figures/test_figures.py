@@ -22,8 +22,8 @@ from softcradle.sandbox.studies.verify import FINAL
 from tests.helpers.figure_layout import keys_on_curves, unnamed_colours, unreadable
 from tests.sandbox.studies.figures.conftest import columns, forces
 
-# These four figures are tested by default. They show one curve, a comparison of two methods, a vibration mode, and a
-# coupler. Tests of the other figures are slow and run with `make test-all`.
+# Names of four figures that are tested by default. The four figures show one curve, a comparison of two methods, a
+# vibration mode, and a coupler. Tests of the other figures are slow and run with `make test-all`.
 KINDS = ("2a", "1b", "exchange", "stop")
 NAMES = [one.name if one.name in KINDS else pytest.param(one.name, marks=pytest.mark.slow) for one in FIGURES]
 

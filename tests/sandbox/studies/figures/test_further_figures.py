@@ -1,4 +1,5 @@
-"""Tests of the figures that are not in the paper. They show limits, parameter scans, variants of the chain, and trains.
+"""Tests of the figures that are not in the paper. These figures show limits, parameter scans, variants of the chain,
+and trains.
 
 The tables of the figures must agree with their captions.
 """
@@ -16,7 +17,8 @@ pytestmark = pytest.mark.slow  # These tests are slow because computing a table 
 
 
 # Step of 1/alpha between two samples of a velocity curve. With this step, linear interpolation is wrong by less than
-# 0.005, even if the curve is jagged. This is half the width of a line. With a step of 0.4, the error is larger.
+# 0.005, even if the curve is jagged. An error of 0.005 is half the width of a line. With a step of 0.4, the error is
+# larger.
 DENSE = 0.11
 
 

@@ -1,6 +1,7 @@
 """Tests of the function `design`, which chooses parameters of a chain for a given goal.
 
-They check known optima, the comparison with uniform values, given target values with their errors, and the command.
+The tests check known optima, the comparison with uniform values, given target values with their errors, and the
+command.
 """
 
 import json

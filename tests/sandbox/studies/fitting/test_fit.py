@@ -1,7 +1,7 @@
 """Tests of the function `fit`, which fits parameters of a chain to measured data.
 
-They check fitted values and error bars, parameters that the data cannot determine, the columns of the data, and the
-command.
+The tests check fitted values and error bars, parameters that the data cannot determine, the columns of the data, and
+the command.
 """
 
 import json

@@ -1,6 +1,6 @@
 """Tests of the chart of computing time against accuracy.
 
-They check the measured points of our methods and of other packages, the picture, and the command that draws it.
+The tests check the measured points of our methods and of other packages, the picture, and the command that draws it.
 """
 
 import csv
@@ -112,8 +112,8 @@ def test_a_peer_that_raises_has_given_up(case, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["one-on-5", "hertz-100", "gear-above"])
 def test_every_truth_is_from_outside(name):
-    """Compare two of our methods with the independent reference solutions. They must agree within their estimated
-    errors.
+    """Compare two of our methods with the independent reference solutions. The velocities must agree within their
+    estimated errors.
     """
     solved, ours = DEFINITIONS[name].solve(), DEFINITIONS[name].solve(by_reference=False)
     assert 0.0 < solved.uncertainty < 1e-10
@@ -197,8 +197,8 @@ def test_verlet_by_hand_is_verlet(case):
     assert found == pytest.approx(our_solver(case, "verlet").run(500.0, start, NO_SAMPLES).velocity, abs=1e-12)
 
 
-# The package CyRK is left out, because it compiles for half a minute. It runs only in `make bench`. The method Radau of
-# SciPy is left out, because it does not reach a small error within the time limit.
+# The package CyRK is left out, because it compiles for half a minute. CyRK runs only in `make bench`. The method Radau
+# of SciPy is left out, because it does not reach a small error within the time limit.
 @needs_numba
 @pytest.mark.parametrize("peer", [peer for peer in PEERS if peer.name != "CyRK"], ids=lambda peer: peer.name)
 def test_an_installed_peer_reaches_the_truth(case, peer, monkeypatch):

@@ -1,6 +1,6 @@
 """Tests of the gallery of scenes with mouse and keys.
 
-They also check that a page frees its memory when the user leaves it.
+The tests also check that a page frees its memory when the user leaves it.
 """
 
 import weakref
@@ -158,7 +158,8 @@ def test_scenes_of_ones_own_have_cards_below_the_first(gallery: Driver, tmp_path
     gallery.app.rebuild()
     (tmp_path / "mine.toml").unlink()
     gallery.app.rebuild()
-    # Jobs run one after another. This job starts after the drawing of the picture that is no longer needed.
+    # Jobs run one after another. The last job therefore starts after the picture that is no longer needed has been
+    # drawn.
     gallery.app.warmup.submit(lambda _: done.append(True), lambda: None)
     done: list[bool] = []
     gallery.until(lambda: done)

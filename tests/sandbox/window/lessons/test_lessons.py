@@ -61,7 +61,7 @@ def test_both_questions_are_asked_next_to_the_beads_before_the_run(lab: bool) ->
 def test_the_choices_are_clicked_without_a_key(driver: Driver) -> None:
     driver.play_to_the_end()
     assert not driver.page.inspector.choices
-    driver.app.act("lesson")  # This action is an entry of the menu.
+    driver.app.act("lesson")  # The menu of the window contains the action "lesson".
     driver.frames(2)
     assert driver.session.frame == 0
     assert len(driver.page.inspector.choices) == 3

@@ -1,6 +1,6 @@
 """Tests of the live plots: the curves, the cursor, energies, kymographs, and plots of two rows of beads.
 
-They also check plots of selected quantities, and measured data that is drawn over a plot.
+The tests also check plots of selected quantities, and measured data that is drawn over a plot.
 """
 
 from dataclasses import replace
@@ -31,7 +31,8 @@ from tests.helpers.windows import Driver
 def test_plots_show_frames_with_more_beads_than_now() -> None:
     """Check that plots show earlier frames that have more beads than the current frame.
 
-    These frames have more values than the plot has names. A plot that is opened later also draws the removed beads.
+    Earlier frames contain more values than the plot has names. A plot that is opened later also draws the removed
+    beads.
     """
     driver = Driver("one-on-ten")
     board = driver.page.board
@@ -219,7 +220,7 @@ def played(driver: Driver) -> Driver:
 def test_a_table_that_is_dropped_lies_over_the_velocities(played: Driver, tmp_path) -> None:
     """Check that a dropped table of measured data is drawn over the plot of the velocities.
 
-    The data are values of the session between two frames, with an added error of 0.25 m/s. They cross the border
+    The data are values of the session between two frames, with an added error of 0.25 m/s. The data cross the border
     between two blocks of the history.
     """
     played.session.step_frames(300)

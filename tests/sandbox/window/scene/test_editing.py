@@ -1,7 +1,7 @@
 """Tests of editing a scene with the pointer, keys, the inspector, and the dialogs for parameter sweeps and rows of
 beads.
 
-They also check that axes, magnified contacts, the verdict and the predicted motion are right after an edit.
+The tests also check that axes, magnified contacts, the verdict and the predicted motion are right after an edit.
 """
 
 from dataclasses import replace

@@ -1,6 +1,6 @@
 """Tests of the view with few controls and of the comparison with steel balls.
 
-They also check the description and the explanation after a motion.
+The tests also check the description and the explanation after a motion.
 """
 
 import math
@@ -157,7 +157,7 @@ def test_a_text_without_room_is_read_whole_below_the_pointer(explorer: Driver) -
         explorer.move(explorer.page.explore._about.center)
         with drawn_texts(explorer.app.size) as texts:
             explorer.app.paint()
-        # This includes only texts that are drawn over the stored background.
+        # The list contains only texts that are drawn over the stored background.
         shown = " ".join(one.text for one in texts)
         assert ("not quite rigid" in shown) == cut
 

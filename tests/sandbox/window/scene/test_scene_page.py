@@ -1,7 +1,7 @@
 """Tests of the scene page with simulated mouse and keyboard events.
 
-They check time, slow motion and sound. They also check the drawing of beads, forces, marks and labels, and the
-scrolling of plots.
+The tests check time, slow motion and sound. The tests also check the drawing of beads, forces, marks and labels, and
+the scrolling of plots.
 """
 
 import math
@@ -33,7 +33,8 @@ def test_the_timeline_goes_back_and_playing_starts_a_new_branch(driver: Driver) 
     assert not driver.session.playing
     last = driver.session.history.last
     driver.key(pygame.K_HOME)
-    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)  # This key goes to the next time at which a contact opens or closes.
+    # Shift and the full stop go to the next time at which a contact opens or closes.
+    driver.key(pygame.K_PERIOD, pygame.KMOD_SHIFT)
     before, after = driver.session.history.snapshot(driver.session.frame - 1), driver.session.lanes[0].state
     assert before.states[0].overlap[0] <= 0.0 < after.overlap[0]
     assert abs(after.time - 1.0) < 0.02  # The striker moves 1 m with 1 m/s before it hits the next bead.

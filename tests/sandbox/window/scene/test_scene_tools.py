@@ -1,6 +1,6 @@
 """Tests of the tools of the scene page: arrows, tables of values, sharing, comparison, stopwatch and ruler.
 
-They also check that the menus of the tools can be used with keys.
+The tests also check that the menus of the tools can be used with keys.
 """
 
 import pygame
@@ -44,7 +44,8 @@ def test_values_and_outcome_are_shown_and_copied(driver: Driver) -> None:
     table = [line.split(",") for line in pygame.scrap.get_text().splitlines()]
     assert table[0] == ["time (s)", "0.0"]
     assert table[2][:3] == ["alpha = 1/10", "0", "1.0"]
-    assert float(table[2][4]) == 1.0  # This cell contains the velocity of the striker in m/s.
+    # The fifth cell of a row contains the velocity [m/s] of a bead, which is the striker in this row.
+    assert float(table[2][4]) == 1.0
     assert len(table) == 1 + 6 + 5
     driver.key(pygame.K_w)
     assert "Bead 0 moves right at 1\N{NO-BREAK SPACE}m/s." in driver.app.dialog.note
@@ -70,7 +71,7 @@ def test_a_scene_is_copied_as_text_and_pasted(driver: Driver) -> None:
     assert any("not a whole scene" in text for text in driver.messages)
     pygame.scrap.put_text(" ")
     driver.key(pygame.K_v, CTRL)
-    driver.app.open("")  # This is equal to confirming an empty input.
+    driver.app.open("")  # An empty name is opened if the user confirms an empty input.
     assert [text[:22] for text in driver.messages[-2:]] == ["the clipboard is empty", "unknown scene '' (soft"]
 
 
