@@ -159,7 +159,7 @@ def test_nothing_that_is_read_aloud_changes_while_the_motion_plays(live):
     assert live.run("spoken") == 0
     assert "timer" in [role for role, _, _ in tree(live)]
     lengths = {len(live.run(f"page.pause(), page.go({t}), part('clock').textContent")) for t in np.linspace(0.9, 4, 30)}
-    assert len(lengths) == 1  # The text of the clock always has the same number of digits, so it does not move.
+    assert len(lengths) == 1  # The text of the clock always has the same number of digits, so the digits do not move.
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -99,7 +99,7 @@ def test_the_browser_reports_mistakes(process, tmp_path):
 
 @pytest.mark.parametrize(("fragment", "name", "apart"), [("", SCENE, 5e-3), ("#n=5&m=3&a=0.05", "three-on-five", 0.02)])
 def test_the_rows_end_as_simulate_says(pages, browser, fragment, name, apart):
-    """Compare the final velocities on the page with the result of `simulate`.
+    """Compare the final velocities on the web page with the result of `simulate`.
 
     With 64 steps per contact, the velocities are accurate to a few thousandths. Energy and momentum are exact up to
     round-off.

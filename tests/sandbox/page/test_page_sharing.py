@@ -104,7 +104,7 @@ class TestInABrowser:
         browser.run("part('copy-link').click()")
         assert browser.until("window.copied") == f"{address}#n=2"
         browser.run("Object.defineProperty(navigator, 'clipboard', {value: undefined}), part('copy-code').click()")
-        # Without a clipboard, the page selects the text. The user can then copy it manually.
+        # Without a clipboard, the page selects the text. The user can then copy the text manually.
         assert browser.until("document.activeElement.id === 'share-code' && part('share-code').selectionEnd") == len(
             code
         )

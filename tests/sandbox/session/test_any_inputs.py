@@ -43,7 +43,7 @@ def test_inputs_in_any_order_are_undone_and_redone(name, items, tmp_path_factory
         if k == 5:
             session.restart()
         session.step_frames(3)
-        session.step_frames(-1)  # The frame that is left by this step back is dropped by the next edit.
+        session.step_frames(-1)  # The session goes back by one frame. The next edit drops the newer frame.
         check_invariants(session)
     read_all(session)
     frames = sum(len(part.time) for part in session.history_slices(0, 10**6))

@@ -44,8 +44,8 @@ def test_every_played_scene_ends_like_the_reference(name):
     until = session.scene.duration or max(truth().time[-1] for truth in truths)
     health = worst_of(session, 900)
     assert health.energy_error < 1e-10
-    # In this scene, the cluster of beads breaks apart. Its contacts then open and close every step or two for a short
-    # time.
+    # In this scene, the cluster of beads breaks apart. For a short time, the contacts of the cluster open and close
+    # every step or two.
     if name == "weak-contact":
         assert health.level in ("good", "fair")
     else:

@@ -247,7 +247,7 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path):
     session, path = opened(frames=50), tmp_path / "bad.npz"
     session.save_recording(path)
     whole, metadata = np.fromfile(path, np.uint8), metadata_of(path)
-    # Damage to some bytes cannot be detected. Loading must then raise no other exception.
+    # Some damaged bytes cannot be detected, so loading may succeed. An exception other than UserError must not occur.
     for place in range(0, len(whole) - 4, 7):
         torn = whole.copy()
         torn[place : place + 4] ^= 0xFF

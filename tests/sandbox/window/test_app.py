@@ -296,7 +296,7 @@ def test_a_window_is_no_larger_than_a_desktop_shows(desktop: tuple[int, int], ex
 
 
 def test_a_tick_stands_before_what_was_done_alone(driver: Driver) -> None:
-    driver.key(pygame.K_y)  # The key Y does nothing here, because nothing is selected.
+    driver.key(pygame.K_y)  # The key Y has an effect only if a bead or a contact is selected.
     driver.key(pygame.K_z, pygame.KMOD_CTRL)
     assert [one.kind for one in driver.app.messages.visible] == [HINT, HINT]
     driver.select("bead", 1)

@@ -35,14 +35,14 @@ def test_a_clicked_card_opens_and_the_old_page_is_freed(gallery, monkeypatch) ->
     gallery.click((page.grid.place(0).centerx, 8))  # A click on the header above the cards must not open a scene.
     assert gallery.app.page is page
     page.grid.scroll_by(page.grid.place(4).top - page.grid.place(0).top)
-    # A card that is scrolled below the header must not react to a click.
+    # A card that is scrolled behind the header must not react to a click.
     gallery.click((page.grid.place(0).centerx, round(90 * page.host.unit)))
     assert gallery.app.page is page
     page.grid.scroll = 0.0
     gallery.click(page.grid.place(1).center)
     assert gallery.page.title == page.scenes[page.names[1]].title
     old_page = weakref.ref(gallery.page)
-    # An operating system that cannot free unused memory raises one of these errors.
+    # An operating system that cannot free unused memory raises an AttributeError, a TypeError or an OSError.
     for action, refusal in (("larger", AttributeError), ("smaller", TypeError), ("larger", OSError)):
         monkeypatch.setattr("ctypes.CDLL", Mock(side_effect=refusal))
         old_widget = weakref.ref(next(iter(gallery.page.time_controls.buttons.values())))

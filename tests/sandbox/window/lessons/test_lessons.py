@@ -94,7 +94,7 @@ def test_questions_are_asked_in_dialogs_if_the_panel_has_no_space() -> None:
 def test_a_lesson_whose_choices_are_all_wrong_is_answered_in_words() -> None:
     driver = Driver("locked-pistons")
     driver.select("contact", 1)
-    # After this edit, the beads do not leave together in any of the two rows.
+    # After the edit, the beads do not leave together in either of the two rows.
     driver.key(pygame.K_l, pygame.KMOD_SHIFT)
     driver.key(pygame.K_ESCAPE)
     assert answered(driver, 2).startswith("You predicted: in both.")
