@@ -44,7 +44,7 @@ def test_frames_and_trajectory_agree_to_a_pixel(scene, rate, number):
     places, marked = camera.markers(motion), np.isfinite(motion.chain.mass).sum()
     # The beads must move more than 20 pixels. Otherwise a camera that ignores the motion would pass the test.
     assert np.ptp(places, axis=0).max() > 20.0
-    # Only the markers on the beads are darker than a brightness of 60.
+    # Only in the markers on the beads is the sum of red, green and blue below 60.
     for black, where in zip(frames.sum(axis=2, dtype=int) < 60, places, strict=True):
         found = np.flatnonzero(np.diff(black, prepend=False, append=False)).reshape(-1, 2).mean(axis=1)
         assert len(found) == len(where) == marked  # Every bead has one marker, and walls are not marked.
