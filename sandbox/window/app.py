@@ -1,6 +1,4 @@
-"""The application: it opens pages, passes events to them, draws frames on the display, and holds the state shared by
-all pages.
-"""
+"""The application. It opens pages, passes events to them and draws frames. It also holds the state shared by all pages."""
 
 from __future__ import annotations
 
@@ -35,18 +33,19 @@ from softcradle.sandbox.window.unsaved_scene import UnsavedFile, left_over
 from softcradle.scenes import SceneError, load, names, parse
 
 STANDARD_INPUT = "-"
-DESIGN = (1280, 720)  # Size in pixels of a window in which one design pixel is one pixel.
-# Size in design pixels into which every page fits, in the Lab and in Explore. A larger scale is reduced until the page
-# fits.
+DESIGN = (1280, 720)  # Size in pixels of the window that has one design pixel per pixel.
+# Smallest sizes in design pixels, in the Lab and in Explore. Every page fits into a window of this size. A larger scale
+# is reduced until the page fits.
 LEAST, LEAST_EXPLORED = (850, 500), (640, 400)
 FRAMES_A_SECOND = 60
-# Longest time step of a frame in seconds of wall time. A window that was suspended does not catch up.
+# Longest time step of a frame in seconds of wall time. A window that was suspended does not make up for the lost time.
 LONGEST_FRAME = 0.25
-# Longest wait for an event in milliseconds. It limits the delay of results from the background thread.
+# Longest time to wait for an event in milliseconds. It limits the delay of results from the background thread.
 LONGEST_WAIT = 500
-# Seconds after the last event during which frames are still drawn. Tooltips and buttons change in this time.
+# Seconds after the last event during which frames are still drawn, because tooltips and buttons change with a delay.
 SETTLED = 1.5
-SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Names of the signals that end the program; no system has all of them.
+# Names of the signals that end the program. Some of them do not exist on some systems.
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
 class App:
@@ -56,7 +55,9 @@ class App:
         size: size of the window [pixels].
         start: name of a scene, or path of a scene or session file, to open; None shows the gallery.
         lab: if True, start with all controls (Lab), whichever level the settings file contains.
-        clock: returns the wall time [s]. The computation of a frame ends when the time for the frame is used up.
+        clock: function that returns the wall time [s]. The computation of a frame ends when the time for the frame is
+            used
+            up.
     """
 
     def __init__(
@@ -109,8 +110,8 @@ class App:
             self.choose(_("An unsaved scene"), _("softcradle closed before your changes were saved."), choices)
 
     def _open_unsaved(self, found: UnsavedFile) -> None:
-        """Open the unsaved scene of a window that crashed or was killed. From now on its backup file belongs to this
-        window.
+        """Open the unsaved scene of a window that crashed or was killed. This window then owns the backup file of the
+        scene.
         """
         page = self._opened(str(found.path))
         if page is not None:
@@ -124,7 +125,7 @@ class App:
         return self._gallery() if page is None else page
 
     def _gallery(self) -> GalleryPage:
-        """Return the gallery page. It is made once, so that it keeps its state while other pages are visible."""
+        """Return the gallery page. The page is made only once, so it keeps its state while other pages are visible."""
         if self.gallery is None:
             self.gallery = GalleryPage(self, self.open)
         return self.gallery
@@ -140,14 +141,14 @@ class App:
 
     @property
     def look(self) -> tuple[object, ...]:
-        """The window properties on which all drawn surfaces depend."""
+        """The window properties that determine the appearance of all drawn surfaces."""
         return self.size, self._unit(), self.explore, self.settings.theme, language()
 
     def _made_of(self) -> object:
         return self.page, self.look, self.page.made_of()
 
     def follow(self) -> None:
-        """Update the widgets and the drawings of the page if the state on which they depend has changed."""
+        """Update the widgets and the drawings of the page if their underlying state has changed."""
         self.widgets.follow()
         self.page.follow()
 
@@ -165,17 +166,18 @@ class App:
     def rebuild(self) -> None:
         """Remove all widgets and create them again."""
         self.manager.clear_and_reset()
-        # Free the old widgets before new ones are made; otherwise all surfaces would exist twice for a moment.
+        # Free the old widgets before new ones are made. Otherwise all surfaces would exist twice for a moment.
         collect_garbage()
         self._build()
-        gc.freeze()  # Exclude the widgets from later garbage collections, which would interrupt the motion.
+        # Exclude the widgets from later garbage collections, because a collection would interrupt the motion.
+        gc.freeze()
 
     def _build(self) -> None:
         if not self._shapes.follow():
             self.manager.set_window_resolution(self.size)
         pygame.display.set_caption(f"{scene_words(self.page.title)} - softcradle" if self.page.title else "softcradle")
         self.page.build()
-        # Give disabled widgets their disabled look even below a dialog, where widgets are not updated.
+        # Update disabled widgets once, so that they look disabled. Below a dialog they receive no further updates.
         self.manager.ui_group.update(0.0)
         self.focus.hide_tooltips()
         if self.dialog is not None and self.dialog.open:
@@ -183,7 +185,7 @@ class App:
         self.widgets.note()
 
     def _begin_shapes(self) -> None:
-        """Create a new widget manager, which draws the shapes of all widgets again."""
+        """Create a new widget manager. It draws the shapes of all widgets again."""
         clear_cached_surfaces()
         self.unit = self._unit()
         self.manager = theme.manager(self.size, self.unit)
@@ -254,7 +256,7 @@ class App:
         self.put_over(EntryDialog(self, title, note, {title: text}, self._take_line(take)))
 
     def choose(self, title: str, note: str, choices: Choices, neutral: bool = False) -> None:
-        """Ask a question with one button for each choice. A `neutral` dialog preselects no button."""
+        """Ask a question with one button for each choice. If `neutral`, no button is preselected."""
         self.put_over(Dialog(self, title, note, choices, neutral))
 
     def put_over(self, modal: Overlay) -> None:
@@ -265,7 +267,7 @@ class App:
         self.dialog = modal
 
     def ask_before_loss(self, go_on: Callable[[], object]) -> None:
-        """Call `go_on`, which leaves the page. If the page has unsaved edits, ask the user first."""
+        """Leave the page by calling `go_on`. If the page has unsaved edits, ask the user first."""
         if not self.page.unsaved:
             go_on()
             return
@@ -281,8 +283,9 @@ class App:
         go_on()
 
     def quit(self, killed: bool = False) -> None:
-        """End the main loop after this frame. If the process is being `killed`, keep the backup of an unsaved scene for
-        the next start.
+        """End the main loop after this frame.
+
+        If the process is being `killed`, keep the backup of an unsaved scene for the next start of the program.
         """
         self.running, self._quit_by_hand = False, not killed
 
@@ -297,7 +300,7 @@ class App:
         self.fit(toggle_fullscreen(self._window_size))
 
     def rescale(self, by: int) -> None:
-        """Switch to the next larger (1) or smaller (-1) scale; 0 restores 100 %."""
+        """Switch to the next larger scale if `by` is 1, or to the next smaller one if it is -1. 0 restores 100 %."""
         place = min(range(len(SCALES)), key=lambda k: abs(SCALES[k] - self.scale))
         self.scale = SCALES[min(max(place + by, 0), len(SCALES) - 1)] if by else 1.0
         self.settings.keep(scale=self.scale)
@@ -325,7 +328,7 @@ class App:
                 self.close()
 
     def close(self) -> None:
-        """Close the page, the background thread and the display."""
+        """Close the page, the background thread and the window."""
         self.page.close()
         if self._quit_by_hand:
             self.unsaved_file.forget()
@@ -333,18 +336,18 @@ class App:
             if file is not None:
                 file.release()
         self.warmup.stop()
-        use_language(ENGLISH)  # Only the window uses another language; code that runs afterwards expects English.
+        use_language(ENGLISH)  # Restore English, because code that runs after the window has closed expects it.
         gc.unfreeze()
         pygame.display.quit()
 
     @property
     def still(self) -> bool:
-        """True if no frame has to be drawn before the next event."""
+        """True if no frame has to be drawn until the next event arrives."""
         return self.minimised or (not self.page.moving and not self.page.typing and self._quiet > SETTLED)
 
     def pass_time(self, seconds: float) -> None:
-        """Advance the time without drawing a frame: messages expire, and results of the background thread are
-        delivered.
+        """Advance the time by `seconds` without drawing a frame. Messages expire, and results of the background thread
+        are delivered.
         """
         shown = len(self.messages.visible)
         self.messages.update(seconds)
@@ -352,7 +355,10 @@ class App:
             self._quiet = 0.0
 
     def frame(self, seconds: float, events: Iterable[pygame.Event] | None = None) -> None:
-        """Compute and show one frame: process the events (those of pygame's queue if None), advance by `seconds`, draw."""
+        """Compute and show one frame. It handles the events, advances the page by `seconds`, and draws the window.
+
+        If `events` is None, the events are taken from pygame's queue.
+        """
         self._quiet += seconds
         for event in pygame.event.get() if events is None else events:
             self._quiet = 0.0
@@ -367,7 +373,7 @@ class App:
         self.messages.update(seconds)
         if self.dialog is not None and self.dialog.open:
             self.dialog.update(seconds)
-            # Show and hide widgets below the dialog, but do not let them react: the pointer belongs to the dialog.
+            # Show and hide the widgets below the dialog, but do not let them react to the pointer.
             self.manager.ui_group.update_visibility()
         else:
             self.manager.update(seconds)
@@ -376,7 +382,8 @@ class App:
         pygame.display.flip()
         self.page.after_frame(self.surface, seconds)
         self.frames += 1
-        if self._page_left:  # Only now does no pressed button refer to the previous page any more.
+        # After this frame no pressed button refers to the previous page, so its objects can be freed.
+        if self._page_left:
             self._page_left = False
             collect_garbage()
 
@@ -394,18 +401,18 @@ class App:
 
     @property
     def pointer(self) -> tuple[int, int]:
-        """Position of the mouse, or NOWHERE if a dialog covers the page."""
+        """Position of the mouse. It is NOWHERE if a dialog covers the page."""
         covered = self.dialog is not None and self.dialog.open
         return NOWHERE if covered else pygame.mouse.get_pos()
 
     def act(self, action: str | None) -> None:
-        """Perform an action of the key table, if the page or the window has this action."""
+        """Perform an action of the key table, if the page or the window offers it."""
         perform = self.page.actions.get(action or "") or self.actions.get(action or "")
         if perform is not None:
             perform()
 
     def fit(self, surface: pygame.Surface | None) -> None:
-        """Adapt the window to a new size of the display."""
+        """Adapt the window to a new size of its display surface."""
         if surface is None:
             return
         self.surface = not_too_small(surface)
@@ -413,9 +420,9 @@ class App:
 
 
 def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
-    """Return the page for the name of a scene, the path of a scene or session file, or a scene as text.
+    """Return the page for a scene or a session file. A scene is given by its name, its file, or its text.
 
-    Raise SceneError, UserError, ValueError or OSError if no page can be made; the message is one sentence for the user.
+    Raise SceneError, UserError, ValueError or OSError if no page can be made. The message is one sentence for the user.
     """
     from softcradle.sandbox.session.replay import Replay
     from softcradle.sandbox.session.session import Session
@@ -440,14 +447,14 @@ def page_of(host: App, name_or_path: str, leave: Callable[[], None]) -> Page:
 
 
 def _wait() -> list[pygame.Event]:
-    """Return the events that arrive within LONGEST_WAIT, or an empty list."""
+    """Return the events that arrive within LONGEST_WAIT milliseconds, or an empty list."""
     first = pygame.event.wait(LONGEST_WAIT)
     return [] if first.type == pygame.NOEVENT else [first, *pygame.event.get()]
 
 
 @contextmanager
 def _ending_at_signals(app: App) -> Iterator[None]:
-    """End the main loop at a signal that asks the process to stop, so that a film in progress is still written."""
+    """End the main loop when the process receives a signal to stop. A film that is being recorded is still written."""
 
     def end(number: int, frame: FrameType | None) -> None:
         app.quit(killed=True)

@@ -36,7 +36,7 @@ class Overlay:
         box: rectangle of the overlay.
         focus: index of the choice that Enter selects; -1 if none is preselected.
         choice_count: number of choices.
-        steps: for each key that moves the focus, the number of choices by which it moves.
+        steps: keys that move the focus, with the number of choices by which each key moves it.
     """
 
     focus, choice_count = 0, 0
@@ -48,7 +48,7 @@ class Overlay:
         self.build()
 
     def build(self) -> None:
-        """Create the widgets. This is called again if the window has changed."""
+        """Create the widgets. It is called again when the window has changed."""
         self.manager = theme.manager(self.host.size, self.host.unit)
         self.make_widgets()
 
@@ -84,7 +84,7 @@ class Overlay:
     def close(self) -> None:
         """Close the overlay."""
         self.open = False
-        # Otherwise pygame_gui would keep the manager of the overlay as its default.
+        # Restore the default manager. Otherwise pygame_gui would keep the manager of the overlay as its default.
         set_default_manager(self.host.manager)
 
     def paint(self, surface: pygame.Surface) -> None:
@@ -97,8 +97,9 @@ MENU_ROW = 30.0  # Height of a menu entry in design pixels.
 
 
 class Menu(Overlay):
-    """A menu of actions, given by their `names`; the `ticked` ones have a check mark. A click outside or Esc closes the
-    menu.
+    """A menu of actions. A click outside or Esc closes the menu.
+
+    The entries are the actions `names`. Entries in `ticked` have a check mark.
 
     Attributes:
         buttons: the buttons of the entries, from top to bottom.
@@ -139,7 +140,7 @@ class Menu(Overlay):
         self.host.act(name)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Close the menu if the mouse is pressed outside; otherwise handle the event like every overlay."""
+        """Close the menu if the mouse is pressed outside. Other events are handled as in every overlay."""
         if event.type == pygame.MOUSEBUTTONDOWN and not self.box.collidepoint(event.pos):
             self.close()
         return super().handle(event)
@@ -177,7 +178,7 @@ class Dialog(Overlay):
     Esc only closes.
 
     Arguments:
-        neutral: preselect no button, so that Enter has no effect before an arrow key was pressed.
+        neutral: if True, no button is preselected, and Enter has no effect until an arrow key is pressed.
 
     Attributes:
         buttons: the buttons, by their text.
@@ -196,8 +197,9 @@ class Dialog(Overlay):
         return paragraphs(self.note, 16 * self.host.unit, (WIDTH - 2 * MARGIN) * self.host.unit)
 
     def make_widgets(self) -> None:
-        """Place the dialog in the middle of the page. The buttons form a row, the first one on the right, or a column
-        if they are wide.
+        """Place the dialog in the middle of the page.
+
+        The buttons are placed side by side, with the first one on the right. Wide buttons are placed below each other.
         """
         unit, (page_width, height) = self.host.unit, self.host.size
         widths = [max(90.0 * unit, width(text, 13 * unit) + 26 * unit) for text in self.choices]
@@ -207,7 +209,7 @@ class Dialog(Overlay):
         self.box.center = (page_width // 2, round(0.4 * height))
         self.box.clamp_ip(pygame.Rect((0, 0), self.host.size))
         self.inner = self.box.inflate(-2 * round(MARGIN * unit), -2 * round(MARGIN * unit))
-        # Top edge of the area between the note and the buttons.
+        # Vertical position of the space between the note and the buttons.
         self.head = self.inner.top + round((36.0 + LINE * len(self._lines())) * unit)
         right, y = self.inner.right, self.inner.bottom - round(ROW * unit) * (len(widths) if stacked else 1)
         for k, (text, command) in enumerate(self.choices.items()):
@@ -229,7 +231,7 @@ class Dialog(Overlay):
         self.choose(list(self.choices.values())[self.focus])
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the shade, the box, its widgets, and the ring around the button that Enter presses."""
+        """Draw the shade over the page, the box, its widgets, and the ring around the button that Enter presses."""
         unit = self.host.unit
         paint_box(surface, self.box, unit)
         x, y = self.inner.topleft
@@ -257,7 +259,7 @@ def paint_box(surface: pygame.Surface, box: pygame.Rect, unit: float) -> None:
 
 
 class EntryDialog(Dialog):
-    """A dialog with text fields. OK calls `take` with the text of each field, by name.
+    """A dialog with text fields. The OK button calls `take` with the text of each field, by name.
 
     Arguments:
         fields: initial text of each field, by name. The name of a single field is not shown.
@@ -325,7 +327,7 @@ class EntryDialog(Dialog):
         self.manager.set_focus_set({entry})
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle every key and click, and keep the typed texts so that rebuilt fields show them again."""
+        """Handle every key and click. Store the typed texts, because the fields may be rebuilt."""
         taken = super().handle(event)
         self.texts = {name: str(entry.get_text()) for name, entry in self.entries.items()}
         return taken
@@ -366,7 +368,7 @@ class EntryDialog(Dialog):
 
 @contextmanager
 def _plain_locale() -> Iterator[None]:
-    """Use the locale C inside a `with` block. pygame_gui would set the locale of the environment, which may not be
+    """Use the locale C inside a `with` block. pygame_gui would set the locale of the environment, even one that is not
     installed.
     """
     used, wished = locale.setlocale(locale.LC_ALL), os.environ.get("LC_ALL")
@@ -382,7 +384,7 @@ def _plain_locale() -> Iterator[None]:
 
 
 class FileChooser(Overlay):
-    """The file dialog of pygame_gui; `take` is called with the chosen path."""
+    """The file dialog of pygame_gui. It calls `take` with the chosen path."""
 
     def __init__(self, host: Host, title: str, endings: set[str], take: Callable[[str], None]) -> None:
         self.title, self.endings, self.take = title, endings, take
@@ -409,7 +411,7 @@ class FileChooser(Overlay):
             self.manager.process_events(event)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle every key and click, and the events with which the file dialog ends."""
+        """Handle every key and click, and the events that end the file dialog."""
         if event.type == pygame_gui.UI_FILE_DIALOG_PATH_PICKED and event.ui_element is self.window:
             self.close()
             self.take(str(event.text))
@@ -428,5 +430,5 @@ class FileChooser(Overlay):
 
 
 def shortened_path(path: str, size: float, room: float) -> str:
-    """Return `path`, cut at its start if it is wider than `room` pixels. The end of a path distinguishes files."""
+    """Return `path`, cut at its start if it is wider than `room` pixels. The end stays, because it distinguishes files."""
     return path if width(path, size) <= room else shortened(path[::-1], size, room)[::-1]

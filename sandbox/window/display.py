@@ -1,4 +1,4 @@
-"""The display: open a window with title and icon, switch to full screen, and keep the window usable in size."""
+"""Functions that open the window, switch it to full screen, and keep it at a usable size."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 UNSEEN = ("offscreen", "dummy")  # Video drivers whose windows are invisible.
 
 SMALLEST = (640, 400)  # Smallest size of the window in pixels.
-# Height reserved for the title bar and the task bar, because SDL reports the size of the whole desktop. It is the
-# larger of a number of pixels and a fraction of the height of the desktop: bars of large screens are higher.
+# Height reserved for the title bar and the task bar. SDL reports the size of the whole desktop, which includes both
+# bars. The reserved height is a number of pixels or a fraction of the desktop height, whichever is larger. Bars of
+# large screens are higher.
 BARS, BARS_SHARE = 72, 0.08
 
 
 def require_display() -> None:
-    """Raise UserError if there is no visible display. Otherwise the program would seem to hang, with an invisible
+    """Raise UserError if there is no visible display. Without this check the program would run with an invisible
     window.
     """
     if any(map(os.environ.get, CHOSEN)):
@@ -39,9 +40,7 @@ def require_display() -> None:
 
 
 def usable_size(size: tuple[int, int], desktop: tuple[int, int]) -> tuple[int, int]:
-    """Return the window size, reduced so that the window, its title bar and the task bar fit on a `desktop` of the
-    given size.
-    """
+    """Return the window size, reduced until it fits on the desktop. The title bar and the task bar need space as well."""
     width, height = desktop
     bars = max(BARS, round(BARS_SHARE * height))
     return max(SMALLEST[0], min(size[0], width)), max(SMALLEST[1], min(size[1], height - bars))
@@ -63,7 +62,8 @@ def open_display(size: tuple[int, int]) -> pygame.Surface:
     surface = pygame.display.set_mode(size, pygame.RESIZABLE)
     pygame.key.set_repeat(*REPEAT)
     with warnings.catch_warnings(), contextlib.suppress(AttributeError, pygame.error):
-        warnings.simplefilter("ignore", DeprecationWarning)  # pygame offers no other way to set the minimum size yet.
+        # Hide the warning: pygame offers no other way to set the minimum size yet.
+        warnings.simplefilter("ignore", DeprecationWarning)
         pygame.Window.from_display_module().minimum_size = SMALLEST
     return surface
 
@@ -76,7 +76,7 @@ def toggle_fullscreen(size: tuple[int, int]) -> pygame.Surface:
 
 
 def not_too_small(surface: pygame.Surface) -> pygame.Surface:
-    """Return the surface of the window, after enlarging the window if it is smaller than SMALLEST."""
+    """Enlarge the window if it is smaller than SMALLEST, and return its surface."""
     (width, height), (wide, high) = surface.get_size(), SMALLEST
     if width >= wide and height >= high:
         return surface

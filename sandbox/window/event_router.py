@@ -1,5 +1,5 @@
-"""Event routing: each event goes to the window, the help, the messages, the dialog, the widgets or the page, in this
-order.
+"""Event routing. Each event is offered to the window, the help, the messages, the dialog, the widgets and the page, in
+this order.
 """
 
 from __future__ import annotations
@@ -16,27 +16,28 @@ from softcradle.sandbox.window.keys import REPEATED, action_of
 from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.widgets import KEYS, PRESS, Slider
 
-SCROLL = 60.0  # Distance in design pixels by which the help scrolls per notch of the wheel or per arrow key.
+SCROLL = 60.0  # Scroll distance of the help in design pixels, for one notch of the wheel or one arrow key.
 SCROLLING = {
     pygame.K_DOWN: SCROLL,
     pygame.K_UP: -SCROLL,
     pygame.K_PAGEDOWN: 6.0 * SCROLL,
     pygame.K_PAGEUP: -6.0 * SCROLL,
 }
-# Tolerance in pixels within which the centre of a rebuilt control must coincide with that of the old control.
+# Tolerance in pixels for finding a rebuilt control by its centre. A rebuilt control keeps the focus if its centre has
+# moved less.
 NEAR = 3.0
 NOWHERE = (-1, -1)  # A position that lies on no widget.
 
 
 class KeyboardFocus:
-    """The control that receives keys. The focus is stored as a position, so a control rebuilt at the same position
-    keeps it.
+    """The control that receives keys. The focus is stored as a position on screen. A rebuilt control at the same
+    position keeps the focus.
     """
 
     def __init__(self, host: Host) -> None:
         self.host = host
         self.place: tuple[int, int] | None = None  # Centre of the control that was reached with Tab.
-        self.pressed = NOWHERE  # Position at which the mouse was pressed; NOWHERE after the mouse has moved.
+        self.pressed = NOWHERE  # Position of the last mouse press. It is NOWHERE after the mouse has moved.
 
     def controls(self) -> list[UIElement]:
         """Return the enabled and visible controls, from top to bottom and from left to right."""
@@ -68,7 +69,7 @@ class KeyboardFocus:
             self.place = None
 
     def move(self, by: int) -> None:
-        """Move the focus to the next (1) or previous (-1) control."""
+        """Move the focus to the next control (`by` is 1) or to the previous one (-1)."""
         controls, present = self.controls(), self.control
         if not controls:
             return
@@ -97,7 +98,7 @@ class KeyboardFocus:
         return True
 
     def hide_tooltips(self) -> None:
-        """Remove all tooltips. A control that was just pressed shows no tooltip again while the mouse stays on it."""
+        """Remove all tooltips. A pressed control does not show its tooltip again while the mouse stays on it."""
         for one in self.controls():
             if one.rect.collidepoint(self.pressed):
                 one.tool_tip_delay = math.inf
@@ -139,7 +140,7 @@ class EventRouter:
     def __init__(self, app: Host) -> None:
         self.app = app
         self._held: set[int] = set()  # Keys that are down according to the events received.
-        self._repeated = False  # True if the present event repeats a key that was already down.
+        self._repeated = False  # True if the current event repeats a key that was already down.
         self._pressed = False  # True if the left button is down according to the events received.
         # Receiver of typed text at the moment when the current key was pressed.
         self._keyboard: tuple[object, ...] | None = None
@@ -175,7 +176,8 @@ class EventRouter:
             self._held.discard(event.key)
             self._keyboard = None
         elif event.type == pygame.TEXTINPUT and self._keyboard not in (None, self._typed_into):
-            return  # The key of this text has just opened the dialog or text field that would receive it.
+            # The key that typed this text has just opened the dialog or text field, so the text is not inserted.
+            return
         if event.type == pygame.MOUSEBUTTONDOWN:
             self.app.focus.handle(event)
             self.app.focus.pressed = event.pos
@@ -198,7 +200,7 @@ class EventRouter:
         return (dialog if dialog is not None and dialog.open else None), self.app.focus.typed
 
     def _let_go(self) -> None:
-        """Release a dragged object. The mouse button may be released outside the window, without an event."""
+        """Release a dragged object. This is necessary because a release outside the window sends no event."""
         if self._pressed:
             self._take_input(pygame.Event(pygame.MOUSEBUTTONUP, pos=NOWHERE, button=1))
 

@@ -1,4 +1,4 @@
-"""Background thread of the window: it loads or compiles the kernels first, and then runs short jobs."""
+"""Background thread of the window. It first loads or compiles the kernels, and then runs short jobs."""
 
 from __future__ import annotations
 
@@ -19,24 +19,23 @@ if TYPE_CHECKING:
 
 COMPILED_AT_ONCE = 2
 LOOKING = 0.1  # Interval in seconds between two checks for finished machine code.
-# Switch interval of the interpreter in seconds: a thread holds the interpreter at most this long while another waits.
-# Drawing a frame releases the interpreter about ten times, so long waits would add up.
+# Switch interval of the interpreter in seconds. A thread holds the interpreter at most this long while another thread
+# waits. Drawing a frame releases the interpreter about ten times, so longer waits would add up.
 INTERVAL = 2e-4
-PLAIN_FRAME = 100  # Number of steps times contacts per frame that plain Python computes in about 3 ms.
+PLAIN_FRAME = 100  # Largest number of steps times contacts per frame for plain Python. This number takes about 3 ms.
 
 
 class KernelWarmup:
-    """A daemon thread that loads the kernels and then runs jobs. The window fetches the results; the thread never
-    pushes them.
+    """A daemon thread that loads the kernels and then runs jobs. The window fetches the results itself.
 
     Attributes:
         complete: event that is set when every method is loaded.
         problem: reason why a method cannot be loaded, or None.
     """
 
-    # Threads that run at present. They share the switch interval of the interpreter.
+    # The threads that are running. All of them share the switch interval of the interpreter.
     _begun: ClassVar[set[KernelWarmup]] = set()
-    _usual: ClassVar[float] = 0.0  # Switch interval before the first thread started.
+    _usual: ClassVar[float] = 0.0  # Switch interval of the interpreter before the first thread started.
 
     def __init__(self) -> None:
         self.complete = threading.Event()
@@ -46,7 +45,9 @@ class KernelWarmup:
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
 
     def start(self) -> None:
-        """Start the thread. A short switch interval of the interpreter lets the drawing thread resume quickly."""
+        """Start the thread. It shortens the switch interval of the interpreter so that the drawing thread resumes
+        quickly.
+        """
         if not self._begun:
             KernelWarmup._usual = sys.getswitchinterval()
             sys.setswitchinterval(INTERVAL)
@@ -62,11 +63,13 @@ class KernelWarmup:
         self._jobs.put(None)
 
     def submit(self, take: Callable[[Any], None], job: Callable[[], Any]) -> None:
-        """Queue `job`; :meth:`deliver` passes its result, or the exception that it raised, to `take`."""
+        """Queue `job`. After it has run, :meth:`deliver` calls `take` with its result or with the exception that it
+        raised.
+        """
         self._jobs.put((take, job))
 
     def deliver(self) -> bool:
-        """Pass on the next finished result and return True; return False if there is none. This never waits."""
+        """Deliver the next finished result. Return False if no job has finished. This method never waits."""
         try:
             take, result = self._results.get_nowait()
         except queue.Empty:
@@ -75,15 +78,15 @@ class KernelWarmup:
         return True
 
     def is_warm(self, method: str) -> bool:
-        """Return True if the machine code of `method` is in memory. A method without kernels is always ready."""
+        """Return True if the machine code of `method` is in memory. A method without compiled kernels is always ready."""
         kernels = kernels_of(find_method(method))
         return kernels is None or kernels.in_memory
 
     def can_move(self, lanes: Iterable[LiveLane], frame_time: float, method: str | None = None) -> bool:
-        """Return True if frames of `frame_time` [s] of all `lanes` can be computed in real time.
+        """Return True if all `lanes` can be computed in real time, in frames of `frame_time` [s].
 
-        All lanes use `method`, or each its own method if `method` is None. While machine code is still being compiled,
-        plain Python is fast enough for few contacts and few steps.
+        All lanes use `method`. If `method` is None, each lane uses its own method. Plain Python runs while machine code
+        is being compiled. It is fast enough for few contacts and few steps.
         """
         return all(
             self.is_warm(name) or _is_light(lane, name, frame_time)
@@ -101,9 +104,7 @@ class KernelWarmup:
                 self.complete.set()
 
     def _load(self, waiting: list[KernelTiers]) -> None:
-        """Load kernels whose machine code exists. If there are none, start to compile two at a time and check again
-        later.
-        """
+        """Load the kernels whose machine code exists. If there are none, compile two at a time and check again later."""
         made = next((kernels for kernels in waiting if kernels.in_memory or kernels.on_disk), None)
         first = waiting[:COMPILED_AT_ONCE] if made is None else []
         compiling = [kernels for kernels in first if kernels.compile_behind(YIELDING)]
@@ -118,7 +119,7 @@ class KernelWarmup:
             self.problem = _("method {method} cannot be loaded: {error}", method=chosen.name, error=error)
 
     def _work(self, wait: bool) -> bool:
-        """Run the next job, if there is one. Return False when the thread must end."""
+        """Run the next job, if there is one. Return False if the thread must end."""
         try:
             task = self._jobs.get(block=wait)
         except queue.Empty:
@@ -134,7 +135,7 @@ class KernelWarmup:
 
 
 def _is_light(lane: LiveLane, method: str, frame_time: float) -> bool:
-    """Return True if plain Python moves a lane in real time."""
+    """Return True if plain Python can compute the motion of `lane` in real time."""
     step = lane.setup.step_for(frame_time)
     if step is None or find_method(method).family is not Family.FIXED_STEP:
         return False

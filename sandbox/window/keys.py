@@ -45,7 +45,9 @@ class Key(NamedTuple):
 
 
 class Binding(NamedTuple):
-    """An action with its keys, its group and text in the help, and if it repeats while the key is held."""
+    """An action with its keys, and with its group and text in the help. It also states if the action repeats while the
+    key is held.
+    """
 
     action: str
     keys: tuple[Key, ...]
@@ -134,7 +136,7 @@ _BINDINGS: tuple[Binding, ...] = (
 )
 
 
-# Keys that have the same action as another key.
+# Keys that have the same action as another key, for example on the number pad.
 SAME = {
     pygame.K_EQUALS: pygame.K_PLUS,
     pygame.K_KP_PLUS: pygame.K_PLUS,
@@ -146,7 +148,7 @@ REPEATED = frozenset(binding.action for binding in _BINDINGS if binding.repeated
 
 
 def bindings() -> tuple[Binding, ...]:
-    """Return all bindings: first those that show or hide a plot, then the others."""
+    """Return all bindings. The bindings that show or hide a plot come first."""
     plots = (Binding(kind.name, _keys(kind.key), N_("Plots"), kind.help) for kind in PLOT_KINDS.values())
     return (*plots, *_BINDINGS)
 
@@ -154,9 +156,9 @@ def bindings() -> tuple[Binding, ...]:
 def action_of(code: int, modifiers: int, text: str = "") -> str | None:
     """Return the action of a pressed key that types `text`, or None.
 
-    The key of a sign depends on the keyboard layout: + may share a key with = or have a separate key, and . may need
-    Shift. If the key itself has no action, the typed sign is looked up, with and without Shift. Keys of the number pad
-    count as the same signs.
+    The key that types a sign depends on the keyboard layout. For example, + may share a key with = or have its own key,
+    and . may need Shift. If the key itself has no action, the typed sign is looked up, with and without Shift. Keys of
+    the number pad count as the same signs.
     """
     held = CTRL if modifiers & (pygame.KMOD_CTRL | pygame.KMOD_META) else PLAIN
     held |= SHIFT if modifiers & pygame.KMOD_SHIFT else PLAIN
@@ -190,12 +192,12 @@ def groups() -> dict[str, list[Binding]]:
 
 
 LINE = 21.0  # Height of a line in design pixels.
-KEYS_ROOM = 134.0  # Width in design pixels of the area for the names of keys.
+KEYS_ROOM = 134.0  # Width in design pixels of the column with the names of keys.
 COLUMN = 374.0  # Width of a column in design pixels.
 TITLE = 27.0  # Height of the title of a group in design pixels.
-MARGIN = 26.0  # Distance between columns, and to the edges of the board, in design pixels.
+MARGIN = 26.0  # Distance in design pixels between columns, and between the columns and the edges of the help.
 HEAD, FOOT = 58.0, 20.0  # Heights in design pixels of the areas above and below the columns.
-# Smallest factor by which the help is shrunk to fit into the window. Smaller windows scroll instead.
+# Smallest factor by which the help is scaled down to fit into the window. In smaller windows the help scrolls instead.
 LEAST_SHRINKING = 0.85
 MOUSE = (
     (N_("drag a bead"), N_("pull it by a spring; release to throw")),
@@ -211,8 +213,9 @@ ORDER = N_("Time"), N_("Mouse"), N_("Save"), N_("Beads"), N_("Window"), N_("View
 
 
 def paint_help(surface: pygame.Surface, unit: float, scroll: float) -> float:
-    """Draw the help over the whole `surface`. Scroll it down by `scroll` pixels, at most to its end, and return that
-    distance.
+    """Draw the help over the whole `surface`, scrolled down by `scroll` pixels. Return the scroll distance.
+
+    The distance is limited by the length of the help.
     """
     size = surface.get_size()
     shade = pygame.Surface(size)
@@ -251,7 +254,7 @@ def paint_help(surface: pygame.Surface, unit: float, scroll: float) -> float:
 
 
 def _columns(heights: dict[str, float], count: int) -> list[dict[str, float]]:
-    """Distribute the blocks in their order over `count` columns of similar height."""
+    """Distribute the blocks over `count` columns of similar height, without changing their order."""
     columns: list[dict[str, float]] = [{}]
     for name, height in heights.items():
         if (
@@ -271,7 +274,7 @@ def _caps(binding: Binding) -> str:
 def _block(
     surface: pygame.Surface, name: str, rows: list[tuple[str, str]], place: tuple[float, float], unit: float
 ) -> float:
-    """Draw one group. Return the top edge of the next group."""
+    """Draw one group of key bindings. Return the vertical position for the next group."""
     x, y = place
     write(surface, _(name), (x, y), 16 * unit, tones.foreground, bold=True)
     surface.fill(tones.faint, (round(x), round(y + 21 * unit), round(COLUMN * unit), max(1, round(unit))))
@@ -289,7 +292,7 @@ def _cap(surface: pygame.Surface, keys: str, place: tuple[float, float], unit: f
     for text in keys.split("  "):
         wide = width(text, 13 * unit, bold=True) + 10 * unit
         if x + wide > place[0] + (KEYS_ROOM - 6.0) * unit and x > place[0]:
-            return  # The line is full; the remaining keys do the same.
+            return  # The line is full. The keys that are left out have the same action.
         plate = pygame.Rect(round(x), round(y), round(wide), round(18 * unit))
         pygame.draw.rect(surface, tones.lane_background, plate, border_radius=round(4 * unit))
         pygame.draw.rect(surface, tones.faint, plate, 1, border_radius=round(4 * unit))

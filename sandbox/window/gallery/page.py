@@ -23,7 +23,7 @@ from softcradle.scenes import Scene, SceneError, load, names
 
 
 class Section(NamedTuple):
-    """A title and the names of the scenes below it."""
+    """A section of the gallery: its title and the names of its scenes."""
 
     title: str
     names: tuple[str, ...]
@@ -63,9 +63,10 @@ def sections_of(names: Sequence[str], mine: Sequence[str] = ()) -> list[Section]
 
 
 def found(captions: Mapping[str, Sequence[str]], search: str) -> list[str]:
-    """Return the names of the scenes whose captions contain every word of the search. The title is the first caption.
+    """Return the names of the scenes that match a search. The captions of such a scene contain every searched word.
 
-    Scenes with all words in their title come first, then scenes with words that begin with the searched words.
+    The title is the first caption. Scenes with all words in their title come first. Scenes with words that begin with
+    the searched words come next.
     """
     words = search.lower().split()
 
@@ -147,7 +148,7 @@ class CardGrid:
         return min(row, key=lambda j: abs(self._cards[j].left - here.left))
 
     def show(self, k: int) -> None:
-        """Scroll until card `k` is visible."""
+        """Scroll the page so that card `k` is visible."""
         card = self.place(k)
         top, bottom = (HEADER + SECTION_TITLE) * self.unit, self.size[1] - 10
         if card.top < top:
@@ -160,7 +161,7 @@ class CardGrid:
         self.scroll = min(max(self.scroll + pixels, 0.0), max(0.0, self._full - self.size[1]))
 
     def _bar(self) -> tuple[pygame.Rect, pygame.Rect] | None:
-        """Return the track and knob of the scroll bar, or None if all cards are visible."""
+        """Return the track and the knob of the scroll bar, or None if all cards are visible."""
         top, unit = round(HEADER * self.unit), self.unit
         if self._full <= self.size[1]:
             return None
@@ -172,7 +173,7 @@ class CardGrid:
         return track, knob
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle events of the scroll bar: the knob can be dragged, and a press on the track moves the knob there."""
+        """Handle events of the scroll bar. The knob can be dragged. A press on the track moves the knob to the pointer."""
         bar = self._bar()
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1 and bar is not None:
             track, knob = bar
@@ -198,14 +199,14 @@ class CardGrid:
 
 
 HOVERED_OPACITY = 24  # Opacity of the tint of the card under the pointer, from 0 to 255.
-PRESSED_OPACITY = 48  # Opacity of this tint while the mouse button is down, from 0 to 255.
+PRESSED_OPACITY = 48  # Opacity of the tint of a card while the mouse button is down, from 0 to 255.
 
 
 def _beginning(text: str, ends: Sequence[str], size: float, room: float, most: int) -> list[str]:
-    """Return the lines of the longest beginning of `text` that fits into `most` lines and ends with a complete part.
+    """Return the beginning of `text` that fits into `most` lines and ends with a complete part, split into lines.
 
-    The first string in `ends` contains the characters that end a part. If even the first part is too long, it is
-    divided at the characters of the next string.
+    The first string in `ends` contains the characters that end a part. If the first part is too long, the characters of
+    the next string in `ends` divide it.
     """
     parts = re.findall(rf".+?(?:[{ends[0]}](?= )|$)", text) or [""]
     wholes = ("".join(parts[: k + 1]).strip(" ;:,") for k in range(len(parts) - 1, -1, -1))
@@ -219,7 +220,10 @@ def _beginning(text: str, ends: Sequence[str], size: float, room: float, most: i
 
 
 def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], picture: pygame.Rect, unit: float) -> None:
-    """Draw the title, whole sentences of the text and the beginning of the source, in four lines below the `picture`."""
+    """Draw the caption of a scene in four lines below its `picture`.
+
+    The caption consists of the title, complete sentences of the text, and the beginning of the source.
+    """
     (title, text, source), room = caption, picture.width - 20 * unit
     x, y = picture.left + 10 * unit, picture.bottom + 7 * unit
     first, *rest = wrapped(title, 16 * unit, room, bold=True)
@@ -234,9 +238,9 @@ def paint_caption(surface: pygame.Surface, caption: tuple[str, str, str], pictur
 
 
 def paint_border(surface: pygame.Surface, place: pygame.Rect, hovered: bool, pressed: bool) -> None:
-    """Draw the border of a card, and a tint under the pointer.
+    """Draw the border of a card, and a tint if the pointer is on the card.
 
-    Buttons would need 100 MB for all cards and a third of a second to create.
+    Cards are not pygame_gui buttons. Buttons for all cards would need 100 MB and a third of a second.
     """
     if hovered:
         tint = pygame.Surface(place.size, pygame.SRCALPHA, 32)
@@ -255,7 +259,7 @@ SEARCH = 220.0  # Width of the search field in design pixels.
 
 
 class GalleryPage(Page):
-    """All scenes of the catalogue; `choose(name)` is called when a card is clicked.
+    """The page with all scenes of the catalogue. A click on a card calls `choose(name)`.
 
     Attributes:
         names: names of the visible scenes in the order of their cards.
@@ -294,12 +298,12 @@ class GalleryPage(Page):
         }
 
     def _take_mine(self) -> None:
-        """Load the recently opened or saved scene files in their present state."""
+        """Load the recently opened or saved scene files again."""
         for path in self.mine:
             del self.scenes[path]
         self.mine, self.recent = [], _written(self.host.settings.recent)
         for path, _time in self.recent:
-            # A file that was removed or is not a scene gets no card.
+            # A file that was removed, or that is not a scene file, gets no card.
             with contextlib.suppress(SceneError, ValueError, OSError):
                 if path.lower().endswith(".toml"):
                     self.scenes[path] = load(path)
@@ -316,7 +320,7 @@ class GalleryPage(Page):
     def _take_pictures(self) -> None:
         """Load the thumbnails for the present theme and language.
 
-        Thumbnails that exist only with English numbers are shown until they are redrawn.
+        A thumbnail with English numbers is shown until its translated version is drawn.
         """
         self.made_for = theme, code = self.host.settings.theme, language()
         self.pictures, self.english = {}, []
@@ -337,14 +341,16 @@ class GalleryPage(Page):
         self.host.warmup.submit(partial(self._take_thumbnail, name, scene), partial(motions_ahead, scene))
 
     def update(self, seconds: float) -> None:
-        """Redraw the English thumbnails in the present language, one at a time, while the background thread is idle."""
+        """Redraw thumbnails with English numbers in the present language. One is drawn at a time, while the background
+        thread is idle.
+        """
         if self.english and self.drawing is None and self.host.warmup.complete.is_set():
             self.drawing = self.english.pop(0)
             self._draw(self.drawing)
 
     @property
     def typing(self) -> bool:  # type: ignore[override]
-        """True if keys go into the search field."""
+        """True if the search field receives the keys."""
         return self.entry is not None and self.entry.is_focused
 
     def cancel_typing(self) -> None:
@@ -355,7 +361,7 @@ class GalleryPage(Page):
         self._search("")
 
     def leave(self) -> None:
-        """Clear the search and show all scenes. Without a search, show how to quit."""
+        """Clear the search and show all scenes. If there is no search, show how to quit."""
         if self.search:
             self.cancel_typing()
         else:
@@ -381,7 +387,7 @@ class GalleryPage(Page):
         self.scaled.clear()
         if self.recent != _written(self.host.settings.recent):
             self._take_mine()
-            self.made_for = "", ""  # Force the pictures of the changed files to be made.
+            self.made_for = "", ""  # Mark the pictures as outdated, so that those of changed files are made again.
         self._take_language()
         if self.made_for != (self.host.settings.theme, language()):
             self._take_pictures()
@@ -459,7 +465,9 @@ class GalleryPage(Page):
         return True
 
     def _take_thumbnail(self, name: str, scene: Scene, motions: object) -> None:
-        """Draw the thumbnail of a scene from its computed motion, or from its start if the computation failed."""
+        """Draw the thumbnail of a scene from its computed motion. If the computation failed, draw the start of the
+        scene.
+        """
         if self.drawing == name:
             self.drawing = None
         if self.scenes.get(name) is not scene:

@@ -1,4 +1,4 @@
-"""Thumbnails of scenes. They are cached on disk under a digest of everything on which they depend."""
+"""Thumbnails of scenes. Each is cached on disk under a digest of all its inputs."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from softcradle.sandbox.window.plots import scales
 from softcradle.scenes import Scene
 
 PICTURES = Path(__file__).parent / "pictures"  # Folder of the thumbnails made by `make screenshots`.
-SIZE = (578, 250)  # Size in pixels: twice the size in a gallery at 1280x720.
+SIZE = (578, 250)  # Size of a thumbnail in pixels: twice the displayed size in a gallery of 1280x720 pixels.
 
 
 @lru_cache(maxsize=1)
 def _sources() -> tuple[Path, ...]:
-    """Return the source files on which a thumbnail depends."""
+    """Return the source files that affect the appearance of a thumbnail."""
     drawing = Path(lane_drawing.__file__).parent
     return (*PHYSICS.rglob("*.py"), *drawing.glob("*.py"), Path(scales.__file__), Path(__file__))
 
@@ -41,15 +41,15 @@ def cache_folder() -> Path:
 
 
 def cached_path(scene: Scene, theme: str) -> Path:
-    """Return the path of the thumbnail of `scene`. It changes with the scene, theme, language, drawing code and physics
-    code.
+    """Return the path of the thumbnail of `scene`. The path depends on the scene, the theme, the language, and the code
+    for drawing and physics.
     """
     return cache_folder() / f"{digest_of(_sources(), theme, language(), scene.model_dump_json())}.png"
 
 
 def shipped(name: str, theme: str) -> pygame.Surface | None:
-    """Return the thumbnail of a catalogue scene that is part of the package, or None. Its numbers are in English
-    notation.
+    """Return the thumbnail of a catalogue scene that is part of the package, or None. Its numbers have the English
+    format.
     """
     try:
         return pygame.image.load(str(PICTURES / theme / f"{name}.png"))
@@ -79,7 +79,7 @@ def save(scene: Scene, theme: str, thumbnail: pygame.Surface) -> None:
 
 
 def start_of(scene: Scene) -> list[Motion]:
-    """Return the start of each lane as a Motion with one row, for a scene whose motion could not be computed."""
+    """Return the start of each lane as a Motion with a single sample. It replaces a motion that could not be computed."""
     from softcradle.sandbox.session.lane_setup import setup_of
     from softcradle.sandbox.session.live_lane import LiveLane
 
@@ -87,7 +87,7 @@ def start_of(scene: Scene) -> list[Motion]:
 
 
 def paint(scene: Scene, motions: list[Motion]) -> pygame.Surface:
-    """Draw the frame with the largest force, the lanes below each other."""
+    """Draw the frame with the largest force. The lanes are drawn below each other."""
     from softcradle.sandbox.film.scene_motion import strongest_row
 
     surface = pygame.Surface(SIZE, 0, 32)
