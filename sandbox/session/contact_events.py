@@ -1,4 +1,4 @@
-"""Contact events: closings and openings of contacts, as the engine located them in each frame of the history."""
+"""Contact events: times at which contacts close and open. The engine locates them within each frame of the history."""
 
 from __future__ import annotations
 
@@ -16,17 +16,19 @@ Mask = NDArray[np.bool_]
 
 
 class ContactEvents(NamedTuple):
-    """Closings and openings of contacts in order of time, (K,) each.
+    """Contact events in order of time. Each field is an array of shape (K,).
 
     Attributes:
-        time: [s], as located by the engine; for a contact that an edit has closed or opened, the time of the frame.
+        time: time located by the engine [s]. If an edit has closed or opened the contact, the time of the frame.
         frame: the first frame after the event.
         lane, contact: indices.
-        closed: True for a closing, False for an opening.
-        speed: closing speed of its two beads at the frame before it closed; if it was closed or its beads separated
-            then, their speed at the frame after [m/s]. It is 0 for an opening, and for a closing by an edit.
-        approach: speed at which its two beads approached each other at the frame before [m/s], negative if they
-            separated; 0 for an event caused by an edit.
+        closed: True if the contact closed, False if it opened.
+        speed: closing speed of the two beads [m/s] in the frame before the contact closed. If the beads did not
+            approach each other in that frame, their speed in the next frame. It is 0 if the contact opened, or if an
+                edit closed it.
+        approach: speed at which the two beads approached each other in the frame before the event [m/s]. It is negative
+            if
+            they separated, and 0 for an event caused by an edit.
     """
 
     time: Array
@@ -38,12 +40,12 @@ class ContactEvents(NamedTuple):
     approach: Array
 
     def select(self, rows: Mask | Integers) -> ContactEvents:
-        """Return some of them, selected by mask or index."""
+        """Return the events selected by `rows`, a mask or an array of indices."""
         return ContactEvents._make(array[rows] for array in self)
 
 
 class Impact(NamedTuple):
-    """A contact that closed, for a click sound. Closing speed in m/s."""
+    """A contact that closed and makes a click sound. The closing speed is in m/s."""
 
     time: float
     lane: int
@@ -52,7 +54,7 @@ class Impact(NamedTuple):
 
 
 def contact_events(history: History, after: int = -1) -> ContactEvents:
-    """Return the contact events of a history later than frame `after`."""
+    """Return the contact events of `history` later than frame `after`."""
     events = _joined([_of(block, before) for before, block in history.pairs() if block.first + block.used - 1 > after])
     return events if after < history.first else events.select(events.frame > after)
 
@@ -66,8 +68,9 @@ def _of(block: Block, before: Block | None) -> ContactEvents:
 
 
 def _lane_events(block: Block, before: Block | None, lane: int) -> ContactEvents:
-    """Return the events of one lane in the rows of a block, including its first row if the previous block has the same
-    beads.
+    """Return the events of one lane in the rows of a block.
+
+    Events of the first row are included only if the previous block has the same beads.
     """
     rows, first = block.lanes[lane], 1
     columns = [array[: block.used] for array in (rows.overlap, rows.force, rows.rate)]
@@ -82,10 +85,11 @@ def _lane_events(block: Block, before: Block | None, lane: int) -> ContactEvents
 
 
 def _events(lane: int, first: int, time: Array, closed: Mask, rate: Array, logs: dict[int, Switches]) -> ContactEvents:
-    """Return the events of frames `first` ... at `time` (R,) from their `logs` by row.
+    """Return the events of consecutive frames from their `logs` by row. The frames begin at `first`, at the times
+    `time` (R,).
 
-    `closed` and `rate` (R+1, n) start at the previous frame. A contact whose state does not follow from its log was
-    switched by an edit, or after the log was full.
+    `closed` and `rate` (R+1, n) start at the previous frame. If the log does not explain the state of a contact, an
+    edit has switched the contact, or the log was full.
     """
     row = np.repeat(np.array([*logs], dtype=np.int64), [own.time.size for own in logs.values()])
     contact, when = (np.concatenate(column) for column in zip(NO_SWITCHES, *logs.values(), strict=True))
@@ -103,7 +107,7 @@ def _events(lane: int, first: int, time: Array, closed: Mask, rate: Array, logs:
 
 
 def _rank(key: Integers) -> Integers:
-    """Return (S,) how many entries with the same key precede each entry."""
+    """Return (S,) the number of preceding entries with the same key, for each entry."""
     order = np.argsort(key, kind="stable")
     run_start = np.concatenate(([True], np.diff(key[order]) != 0))[: key.size]
     place = np.arange(key.size)
@@ -113,7 +117,7 @@ def _rank(key: Integers) -> Integers:
 
 
 def _joined(parts: list[ContactEvents]) -> ContactEvents:
-    """Return all `parts` in order of time."""
+    """Return the events of all `parts` in order of time."""
     if not parts:
         empty, integers = np.empty(0), np.empty(0, dtype=np.int64)
         return ContactEvents(empty, integers, integers, integers, empty.astype(bool), empty, empty)

@@ -1,7 +1,8 @@
-"""Table of editable numbers. Each is declared once and then appears in the inspector, the table of values and slider
+"""Table of editable numbers. Each number is declared once, and appears in the inspector, the table of values and the
 sweeps.
 
-Undo, recordings and replay follow from the edit that sets it, and the scene file from the lane that the edit changes.
+Each number has an edit that sets it. Undo, recordings and replay use this edit. The scene file is written from the
+edited lane.
 """
 
 import math
@@ -23,26 +24,26 @@ from softcradle.sandbox.session.session import Session
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
-DECADES = 2.0  # decades of a logarithmic slider on either side of the scene's value
-MOST_SPEED = 3.0  # largest speed of the slider, relative to the scene's closing speed
-MOST_LOSS = 0.95  # largest loss of the slider; draft gears absorb 0.8 and more
-MOST_FRICTION = 1.0  # largest friction coefficient of the slider
-MOST_GAP = 2.0  # largest gap of the slider, in bead lengths
-EXPONENTS = 0.01, 3.0  # range of exponents of the slider
-# Exponents at which sliders stop: values of the paper, springs and Hertz.
+DECADES = 2.0  # Range of a logarithmic slider in decades, above and below the value of the scene.
+MOST_SPEED = 3.0  # Largest speed on the slider, relative to the closing speed of the scene.
+MOST_LOSS = 0.95  # Largest loss on the slider. Draft gears absorb 0.8 and more.
+MOST_FRICTION = 1.0  # Largest friction coefficient on the slider.
+MOST_GAP = 2.0  # Largest gap on the slider, in lengths of a bead.
+EXPONENTS = 0.01, 3.0  # Range of exponents on the slider.
+# Exponents at which the slider stops. They include the values of the paper, springs (1) and Hertz contacts (3/2).
 ROUND_EXPONENTS = (1 / 40, 1 / 20, 1 / 14, 1 / 10, 1 / 5, 1 / 2, 1.0, 3 / 2)
-# Largest distance from a round value at which a slider stops there, as a fraction of its length. It is less than the step of
-# the arrow keys (0.02), which would not leave a round value otherwise.
+# Largest distance at which a slider stops at a round value, as a fraction of the slider's length. It is smaller than
+# the step of the arrow keys (0.02). Otherwise the arrow keys could not move the slider away from a round value.
 CATCH = 0.018
-FEWEST_STOPS = 50  # fewest stops of a linear slider
-LEAST = 1e-6  # half the range of a slider whose values are all 0
+FEWEST_STOPS = 50  # Smallest number of stops of a linear slider.
+LEAST = 1e-6  # Half the range of a slider if all its values are 0.
 
 Ends = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Owner:
-    """One bead or contact of a session, with its lane and index."""
+    """A bead or contact of a session, identified by its lane and index."""
 
     session: Session
     lane: int
@@ -50,12 +51,12 @@ class Owner:
 
     @property
     def live(self) -> LiveLane:
-        """Its lane."""
+        """The lane that contains the bead or contact."""
         return self.session.lanes[self.lane]
 
     @property
     def impact_force(self) -> float:
-        """Force [N] of the contact, or of a contact of the bead, in an impact at the scene's speed."""
+        """Force [N] in an impact at the speed of the scene. For a bead, it is the force of one of its contacts."""
         live = self.live
         contact = min(self.index, live.chain.contacts - 1)
         depth = scales_at(live.chain, live.setup.scale)[0][contact]
@@ -68,11 +69,11 @@ class EditableNumber(NamedTuple):
     Attributes:
         key: name of its widgets.
         owner: 'bead' or 'contact'.
-        name, unit: text at its slider; marked for translation.
-        column: name and unit as the header in the table of values; marked in the context "column".
-        values: values of all beads or contacts of a lane; NaN if one does not have this number.
-        ends: ends of its slider for the present value; a typed number may be outside.
-        edit: input that sets it; raises ValueError if it is invalid.
+        name, unit: text next to the slider, marked for translation.
+        column: name and unit in the header of the table of values, marked in the context "column".
+        values: function that returns the values of all beads or contacts of a lane; NaN if one has no such number.
+        ends: function that returns the ends of the slider for the present value. A typed number may be outside.
+        edit: function that returns the input that sets the number. It raises ValueError if the number is invalid.
         logarithmic: True if the slider is logarithmic.
         stops: values at which the slider stops, in addition to values with two digits.
     """
@@ -108,7 +109,7 @@ def _velocity_ends(owner: Owner, _: float) -> Ends:
 
 
 def _of_beads(live: LiveLane, values: Sequence[float]) -> list[float]:
-    """Return `values`, NaN for walls: no force and no friction moves a wall."""
+    """Return `values` with NaN for each wall, because no force and no friction can move a wall."""
     return [value if math.isfinite(mass) else math.nan for value, mass in zip(values, live.chain.mass, strict=True)]
 
 
@@ -128,7 +129,9 @@ def _drive_ends(owner: Owner, _: float) -> Ends:
 
 
 def _stiffness_ends(owner: Owner, present: float) -> Ends:
-    """Return ends around the scene's value that include the present one."""
+    """Return the ends of a slider for stiffness. The range lies around the value of the scene and includes the present
+    value.
+    """
     laws = owner.session.scene.lanes[owner.lane].chain().contact
     law = laws[min(owner.index, len(laws) - 1)]
     low, high = _decades_around((law.stiffness if isinstance(law, Contact) else 0.0) or present)
@@ -136,7 +139,7 @@ def _stiffness_ends(owner: Owner, present: float) -> Ends:
 
 
 def _gap_ends(owner: Owner, _: float) -> Ends:
-    """Return ends up to a large distance, or up to the stop of a coupler that pulls."""
+    """Return the ends of a slider for gaps. The upper end is a large distance, or the stop of a coupler that pulls."""
     law, most = owner.live.chain.contact[owner.index], MOST_GAP * owner.session.scene.view.length
     return 0.0, law.slack + min(law.travel, most) if isinstance(law, Coupler) and law.pull else most
 
@@ -224,8 +227,9 @@ NUMBERS = (
 
 @dataclass(frozen=True)
 class Parameter:
-    """An editable number of one bead or contact with its present value; NaN for several different values. See
-    EditableNumber.
+    """An editable number of one bead or contact, with its present value. See EditableNumber.
+
+    The value is NaN if several beads or contacts have different values.
     """
 
     key: str
@@ -239,11 +243,11 @@ class Parameter:
     stops: Sequence[float] = ()
 
     def share(self) -> float:
-        """Return the place of the value on the slider, from 0 to 1."""
+        """Return the position of the value on the slider, from 0 to 1."""
         return self.share_of(self.value)
 
     def share_of(self, value: float) -> float:
-        """Return the place of a value on the slider, from 0 to 1."""
+        """Return the position of `value` on the slider, from 0 to 1."""
         if math.isnan(value):
             return 0.5
         if not math.isfinite(value):
@@ -254,7 +258,9 @@ class Parameter:
         return min(max((value - low) / (high - low), 0.0), 1.0)
 
     def at(self, share: float) -> float:
-        """Return the round number nearest to that place of the slider; at an end, the end."""
+        """Return the round number nearest to the position `share` on the slider. At an end of the slider, return the
+        end.
+        """
         low, high = self.low, self.high
         ends = {0.0: low, 1.0: high}
         stops = ends if share in ends else {self.share_of(stop): stop for stop in self.stops}
@@ -268,13 +274,13 @@ class Parameter:
 
 
 def _round_step(most: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is at most `most` > 0."""
+    """Return the largest number of the form 1, 2 or 5 times a power of ten that is at most `most` > 0."""
     power = 10.0 ** math.floor(math.log10(most))
     return max(k * power for k in (1.0, 2.0, 5.0) if k * power <= most)
 
 
 def parameters(session: Session, lane: int, kind: str, index: int) -> list[Parameter]:
-    """Return the editable numbers of a bead or contact (`kind`)."""
+    """Return the editable numbers of the bead or contact `index`; `kind` is 'bead' or 'contact'."""
     owner, found = Owner(session, lane, index), []
     for number in NUMBERS:
         values = number.values(owner.live)[index:] if number.owner == kind else ()
@@ -289,7 +295,7 @@ def parameters(session: Session, lane: int, kind: str, index: int) -> list[Param
 
 @dataclass(frozen=True, eq=False)
 class Variant:
-    """The scene with one value of a parameter; `motion` is the motion of the lane, None if it could not be computed."""
+    """The scene with one value of a parameter. `motion` is the motion of the lane, or None if it could not be computed."""
 
     value: float
     motion: Motion | None
@@ -303,7 +309,10 @@ def variant_of(
     edits: Callable[[float], Sequence[Input]],
     motions: Callable[[Scene], list[Motion]],
 ) -> Variant:
-    """Return the scene with the `value`, set by `edits` at its start; `motions` computes those of all lanes of a scene."""
+    """Return the scene with another `value` of a parameter. The `edits` set the value at the start of the scene.
+
+    `motions` is a function that computes the motion of every lane of a scene.
+    """
     session = Session(scene)
     try:
         session.apply_all(edits(value))

@@ -1,4 +1,6 @@
-"""Export of a session: its start with all edits as a scene or as one line of text; its history as a trajectory."""
+"""Export of a session. The start with all edits is exported as a scene or as a line of text. The history is exported as
+a trajectory.
+"""
 
 import base64
 import binascii
@@ -30,17 +32,17 @@ from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS, IMPULSE_GIVEN
 from softcradle.scenes import Lane, Scene, load, names, parse
 from softcradle.scenes.scene_errors import scene_error
 
-LARGEST_DENOMINATOR = 60  # largest denominator of an exponent that is written as a fraction
+LARGEST_DENOMINATOR = 60  # Largest denominator of an exponent that is written as a fraction.
 EPSILON = float(np.finfo(float).eps)
 PREFIX = "softcradle:"
-MOST_BYTES = 2**20  # largest size of a scene's text
+MOST_BYTES = 2**20  # Largest size of the text of a scene in bytes.
 
 
 def lane_label(label: str, before: Chain, now: Chain) -> str:
-    """Return the label of a lane that was `label` with the chain `before`."""
+    """Return the label of a lane with the chain `now`. The lane had the label `label` with the chain `before`."""
     if (words := contacts_text(now.contact)) != contacts_text(before.contact):
         return words
-    # The label of a scene file is plain text: do not add the word again.
+    # The label of a scene file is plain text. Do not add the word "edited" twice.
     again = label.code == "edited" if isinstance(label, Message) else label.endswith(", edited")
     if _differ_by_gaps(before, now) or not label or again:
         return label
@@ -79,18 +81,18 @@ def _law_text(law: Joint) -> str:
 
 
 def exponent_text(exponent: float) -> str:
-    """Return the exponent as a simple fraction if possible, else with three digits."""
+    """Return the exponent as text: a simple fraction if possible, otherwise a number with three digits."""
     fraction = Fraction(exponent).limit_denominator(LARGEST_DENOMINATOR)
     simple = fraction.numerator in (1, 3) and abs(float(fraction) - exponent) < 1e-9 * exponent
     return str(fraction) if simple else Message("digits", "{number:.3g}", number=exponent)
 
 
 def scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
-    """Return `scene` in the state `setup`: lanes with `labels`, and slow motion, method and step if all lanes share
-    them.
+    """Return `scene` in the state `setup`, with one of the `labels` for each lane.
 
-    A lane without edits keeps its original form. A locked piston is written as the hard contact that replaces it. Raise
-    SceneError if a scene file cannot express it.
+    Slow motion, method and step are included if all lanes share them. A lane without edits keeps its original form. A
+    locked piston is written as the hard contact that replaces it. Raise SceneError if a scene file cannot express the
+    state.
     """
     try:
         return _scene_of(scene, setup, labels)
@@ -110,8 +112,8 @@ def _scene_of(scene: Scene, setup: Setup, labels: Sequence[str]) -> Scene:
 
 
 def words_for(scene: Scene, lanes: tuple[Lane, ...]) -> dict[str, str]:
-    """Return the texts of `scene` for `lanes`: texts of the catalogue are dropped for other lanes, texts of the user
-    stay.
+    """Return the texts of `scene` for `lanes`. Texts written by the user are kept. Texts of the catalogue are dropped
+    if the lanes differ from the scene.
     """
     others = lanes != scene.lanes and scene.text in _catalogue_texts()
     said = {"text": "", "source": ""} if others else {"text": scene.text, "source": scene.source}
@@ -124,10 +126,10 @@ def _catalogue_texts() -> frozenset[str]:
 
 
 def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
-    """Return `old` if `new` still has the same start, else a lane with a list of each quantity."""
+    """Return `old` if `new` still has the same start. Otherwise return a lane in which each quantity is a list."""
     chain, start = new.chain, new.start
     velocity = _velocity(old, chain, start)
-    gap = tuple((0.0 - start.overlap).tolist())  # 0.0 - 0.0 is 0.0, not -0.0
+    gap = tuple((0.0 - start.overlap).tolist())  # Subtract from 0.0 to avoid -0.0 as a gap.
     before = old.chain()
     if _differ_by_gaps(before, chain) and (before.gap, old.velocity) == (gap, velocity):
         return old
@@ -135,11 +137,13 @@ def _lane(old: Lane, new: LaneSetup, label: str) -> Lane:
 
 
 def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
-    """Return the (n+1,) initial velocities [m/s] in their original digits if they are equal, because sums of rates have
-    round-off.
+    """Return the (n+1,) initial velocities [m/s] of a chain.
+
+    Velocities of a state are sums of rates and have rounding errors. If the velocities of `old` lead to the same state,
+    they are returned with their original digits. Otherwise the same is tried with rounded velocities.
     """
     found = start.velocity(chain)
-    for written in (np.array(old.velocity), found.round(12) + 0.0):  # -0.0 + 0.0 is 0.0
+    for written in (np.array(old.velocity), found.round(12) + 0.0):  # Add 0.0 to replace -0.0 by 0.0.
         if written.size == found.size:
             begun = State.at_start(chain, written)
             off = np.abs([*(begun.rate - start.rate), begun.anchor[1] - start.anchor[1]]).max()
@@ -149,9 +153,10 @@ def _velocity(old: Lane, chain: Chain, start: State) -> tuple[float, ...]:
 
 
 def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
-    """Return method and step if all lanes share them, else the scene's; None for an automatic choice.
+    """Return the method and the step if all lanes share them, otherwise those of the scene. None means an automatic
+    choice.
 
-    A tolerance is kept if the method takes it.
+    The tolerance is kept if the method uses a tolerance.
     """
     method, *others = (None if lane.automatic else lane.method for lane in setup.lanes)
     if any(other != method for other in others):
@@ -164,9 +169,10 @@ def _method(scene: Scene, setup: Setup) -> dict[str, Any]:
 
 
 def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: int) -> Trajectory:
-    """Return `part` of the history of lane number `lane` as a Trajectory; a warning gives the frame at which it begins.
+    """Return `part` of the history of lane number `lane` as a Trajectory.
 
-    `kept` is the oldest frame of the history.
+    If the part begins after frame 0, a warning contains the frame at which it begins. `kept` is the oldest frame of the
+    history; a part that begins there has another reason in its warning.
     """
     why = "the oldest that is kept" if part.first == kept else "where the chain or its method was last changed"
     sentence = f"exported from a session: begins at frame {part.first}, {why}"
@@ -190,15 +196,16 @@ def trajectory_of(part: HistorySlice, lane: int, events: ContactEvents, kept: in
         given=booked[:, [WORK_GIVEN, IMPULSE_GIVEN]],
         velocity_error=np.full(part.chain.contacts + 1, error if error >= 0.0 else np.nan),
     )
-    # The work of a steady drive counts from t = 0 and from the gaps of the chain, but after an edit the beads start
-    # elsewhere.
+    # The work of a constant drive is counted from t = 0 and from the gaps of the chain. After an edit the beads start
+    # at other positions.
     before = found.driven[0], found.impulse[0]
     return replace(found, given=found.given - before)
 
 
 def _intervals(part: HistorySlice, events: ContactEvents) -> tuple[tuple[Interval, ...], ...]:
-    """Return the (closed, opened) times of every contact within `part`; a contact that is closed at its first row
-    closes then.
+    """Return the (closed, opened) times of every contact within `part`.
+
+    If a contact is closed in the first row of `part`, its interval begins at that row.
     """
     closed_first = is_closed(part.overlap[0], part.force[0])
     last = part.first + part.time.size - 1
@@ -221,13 +228,14 @@ def shared_text(scene: Scene) -> str:
 
 
 def is_shared_text(text: str) -> bool:
-    """Return True if `text` may be a shared scene."""
+    """Return True if `text` looks like the text of a shared scene."""
     return text.strip().startswith(PREFIX)
 
 
 def scene_from_text(text: str) -> Scene:
-    """Return the scene written by :func:`shared_text`; spaces and line breaks are ignored. Raise ValueError for other
-    text.
+    """Return the scene from a text written by :func:`shared_text`. Spaces and line breaks in the text are ignored.
+
+    Raise ValueError for any other text.
     """
     letters = "".join(text.split()).removeprefix(PREFIX)
     try:

@@ -1,4 +1,6 @@
-"""History: every frame of every lane in blocks of rows, with bounded memory; the oldest block is dropped first."""
+"""History: every frame of every lane, stored in blocks of rows. Memory is limited, and the oldest block is dropped
+first.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,13 @@ Flags = NDArray[np.int8]
 Found = TypeVar("Found")
 
 BLOCK_ROWS = 512
-MEMORY = 32 * 2**20  # default memory of a history in bytes
-SETUP_MEMORY = 2048  # bytes counted for each setup in a block
-SWITCHES_MEMORY = 400  # bytes counted for the switch arrays of one lane in a frame, in addition to their data
+MEMORY = 32 * 2**20  # Default memory limit of a history in bytes.
+SETUP_MEMORY = 2048  # Number of bytes counted for each setup in a block.
+SWITCHES_MEMORY = 400  # Number of bytes counted for the event arrays of one lane in a frame, in addition to their data.
 
 
 class LaneRows(NamedTuple):
-    """Rows of one lane: overlap, rate, force (R, n), anchor (R, 2), ledger (R, 13)."""
+    """Frames of one lane, one per row: overlap, rate, force (R, n), anchor (R, 2), ledger (R, 13)."""
 
     overlap: Array
     rate: Array
@@ -40,25 +42,25 @@ class LaneRows(NamedTuple):
         return cls(*(np.empty((rows, width)) for width in (contacts, contacts, contacts, 2, LEDGER_COLUMNS)))
 
     def cut(self, rows: int) -> LaneRows:
-        """Return a copy of the first `rows` rows, without spare capacity."""
+        """Return a copy of the first `rows` rows. The copy has no spare capacity."""
         return LaneRows(*(array[:rows].copy() for array in self))
 
 
 @dataclass(eq=False)
 class Block:
-    """Up to BLOCK_ROWS frames of lanes with constant numbers of contacts.
+    """A block of up to BLOCK_ROWS frames, in which the numbers of contacts do not change.
 
     Attributes:
         first: frame of row 0.
         widths: number of contacts of each lane.
-        time, held: (R,) time [s], (R, 3) the bead held by the pointer.
+        time, held: (R,) time [s], and (R, 3) the bead held by the pointer.
         lanes: the rows of each lane.
         used: number of rows that contain frames.
-        revision: increases when rows are removed, so that derived data are recomputed.
-        setups: (first row, Setup), ascending.
-        switches: contact switches of each lane, by row, for frames that have some.
-        replaced: contact events of its first frame, before an edit changed the number of beads.
-        coupled: (first row, flags of coupled contacts of each lane), ascending.
+        revision: number that increases when rows are removed. Derived data are then recomputed.
+        setups: (first row, Setup) in ascending order.
+        switches: for each lane, the contacts that opened or closed, by row. Rows without such events are omitted.
+        replaced: contact events of the first frame before an edit changed the number of beads.
+        coupled: (first row, flags of coupled contacts of each lane) in ascending order.
     """
 
     first: int
@@ -75,7 +77,10 @@ class Block:
     _found: dict[Hashable, tuple[tuple[int, int], Any]] = field(default_factory=dict, repr=False)
 
     def found(self, what: Hashable, find: Callable[[], Found]) -> Found:
-        """Return the result of `find` for these rows; it is computed once while they stay the same."""
+        """Return the result of `find` for the rows of this block. It is computed again only if rows have changed.
+
+        `what` is the key of the stored result.
+        """
         version = self.revision, self.used
         known = self._found.get(what)
         if known is None or known[0] != version:
@@ -91,13 +96,13 @@ class Block:
 
     @property
     def memory(self) -> int:
-        """Size in bytes."""
+        """Size of the block in bytes."""
         rows = sum(array.nbytes for lane in self.lanes for array in lane)
         switches = sum(SWITCHES_MEMORY + 2 * own.time.nbytes for lanes in self.switches.values() for own in lanes)
         return rows + switches + self.time.nbytes + self.held.nbytes + SETUP_MEMORY * len(self.setups)
 
     def add(self, snapshot: Snapshot) -> None:
-        """Write `snapshot` to the next row."""
+        """Write `snapshot` to the next free row."""
         row = self.used
         if not self.setups or self.setups[-1][1] is not snapshot.setup:
             self.setups.append((row, snapshot.setup))
@@ -144,7 +149,7 @@ class Block:
                 items.pop()
 
     def cut(self, rows: int) -> Block:
-        """Return a copy of the first `rows` rows, without spare capacity."""
+        """Return a copy of the block with the first `rows` rows. The copy has no spare capacity."""
         lanes, setups = [lane.cut(rows) for lane in self.lanes], [item for item in self.setups if item[0] < rows]
         switches = {row: lanes for row, lanes in self.switches.items() if row < rows}
         columns = self.time[:rows].copy(), self.held[:rows].copy()
@@ -153,16 +158,19 @@ class Block:
 
 
 def _at_row(items: Sequence[tuple[int, Found]], row: int) -> Found:
-    """Return what is valid at `row` of `items` (first row, value), ascending."""
+    """Return the value that is valid at `row`. The `items` (first row, value) are in ascending order."""
     return items[bisect_right(items, row, key=lambda item: item[0]) - 1][1]
 
 
 class History:
-    """Frames `first` ... `last`, in blocks. `memory` limits its bytes; the oldest frames are dropped.
+    """The stored frames `first` to `last` of a session, in blocks. If they need more than `memory` bytes, the oldest
+    frames are dropped.
 
     Attributes:
-        cuts: how often later frames were dropped or restored, by a start, a new branch, an undo or a redo.
-        edits: how often the newest frame was replaced.
+        cuts: number of times that frames at the end were dropped or restored. A start, a new branch, an undo and a redo
+            do
+            this.
+        edits: number of times that the newest frame was replaced.
     """
 
     def __init__(self, memory: int = MEMORY) -> None:
@@ -171,27 +179,29 @@ class History:
 
     @property
     def first(self) -> int:
-        """Oldest frame."""
+        """Number of the oldest frame."""
         return self.blocks[0].first
 
     @property
     def last(self) -> int:
-        """Newest frame."""
+        """Number of the newest frame."""
         return self.blocks[-1].first + self.blocks[-1].used - 1
 
     @property
     def newest_setup(self) -> Setup:
-        """Setup of the newest frame, with all edits."""
+        """Setup of the newest frame. It includes all edits."""
         return self.blocks[-1].setups[-1][1]
 
     @property
     def branch(self) -> tuple[int, int]:
-        """Key that changes if frames are dropped or replaced, so that derived data are recomputed."""
+        """A key that changes if frames are dropped or replaced. Derived data are recomputed when it changes."""
         return self.cuts, self.edits
 
     @property
     def version(self) -> tuple[int, ...]:
-        """Key that changes with every change of the frames, so that views of all frames are redrawn."""
+        """A key that changes whenever a frame is added, dropped or replaced. Views of all frames are redrawn when it
+        changes.
+        """
         return *self.branch, self.first, self.last
 
     def pairs(self) -> list[tuple[Block | None, Block]]:
@@ -211,11 +221,11 @@ class History:
 
     @property
     def memory(self) -> int:
-        """Bytes in use."""
+        """Memory in use [bytes]."""
         return sum(block.memory for block in self.blocks)
 
     def start(self, snapshot: Snapshot, frame: int = 0) -> None:
-        """Drop all frames; `snapshot` becomes frame `frame`."""
+        """Drop all frames and make `snapshot` the first frame, with the number `frame`."""
         self.cuts += 1
         self.blocks.clear()
         self.blocks.append(Block.empty(frame, _widths(snapshot)))
@@ -230,7 +240,9 @@ class History:
         self.blocks[-1].add(snapshot)
 
     def replace_last(self, snapshot: Snapshot, events: Callable[[], Any]) -> None:
-        """Replace the newest frame by `snapshot` after an edit. Its contact `events` still refer to the previous beads."""
+        """Replace the newest frame by `snapshot` after an edit. `events` returns its contact events, which refer to the
+        previous beads.
+        """
         self.edits += 1
         frame, block = self.last, self.blocks[-1]
         replaced = () if block.widths == _widths(snapshot) else (events(),)
@@ -249,7 +261,7 @@ class History:
         self.blocks[-1] = self.blocks[-1].cut(self.blocks[-1].used)
 
     def _add_block(self, first: int, snapshot: Snapshot) -> None:
-        """Start a block at frame `first`, and drop the oldest blocks beyond the memory limit."""
+        """Start a block at frame `first`. Drop the oldest blocks if the history exceeds its memory limit."""
         self.blocks.append(Block.empty(first, _widths(snapshot)))
         while len(self.blocks) > 2 and self.memory > self.bound:
             self.blocks.popleft()
@@ -264,23 +276,23 @@ class History:
         self.blocks[-1] = self.blocks[-1].cut(frame - self.blocks[-1].first + 1)
 
     def copy_blocks(self) -> tuple[Block, ...]:
-        """Return all blocks; full ones are shared because they never change again."""
+        """Return all blocks for a later :meth:`restore`. Full blocks are not copied, because they never change again."""
         *full, newest = self.blocks
         return *full, newest.cut(newest.used)
 
     def restore(self, blocks: tuple[Block, ...]) -> None:
-        """Restore the blocks returned by :meth:`copy_blocks`; they can be restored again."""
+        """Restore the `blocks` returned by :meth:`copy_blocks`. The same blocks can be restored several times."""
         self.cuts += 1
         *full, newest = blocks
         self.blocks = deque((*full, newest.cut(newest.used)))
 
     def snapshot(self, frame: int) -> Snapshot:
-        """Return the frame `frame`. Raise IndexError if it is not in the history."""
+        """Return a frame as a snapshot. Raise IndexError if the history does not contain it."""
         block = self.block_of(frame)
         return block.snapshot(frame - block.first)
 
     def block_of(self, frame: int) -> Block:
-        """Return the block that contains `frame`. Raise IndexError if there is none."""
+        """Return the block that contains `frame`. Raise IndexError if the history does not contain the frame."""
         if not self.first <= frame <= self.last:
             raise IndexError(f"frame {frame} is not in the history, which has frames {self.first} to {self.last}")
         return self.blocks[bisect_right(self.blocks, frame, key=lambda block: block.first) - 1]
