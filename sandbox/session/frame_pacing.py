@@ -1,5 +1,6 @@
-"""Frame pacing: convert wall time into whole frames within a budget. Frames beyond it are dropped, so the clock slows
-down.
+"""Frame pacing: the conversion of wall time into whole frames within a time budget.
+
+Frames beyond the budget are dropped, which slows the model clock down.
 """
 
 from collections.abc import Callable
@@ -7,18 +8,21 @@ from time import perf_counter
 
 from softcradle.sandbox.story.live_rules import FRAME_RATE
 
-BUDGET = 0.010  # wall seconds of physics in one tick; the rest of a 60th of a second is for drawing
-LONGEST_TICK = 0.25  # longest tick in wall seconds; the model does not catch up after a pause of the whole program
-AVERAGED = 0.5  # wall seconds over which clock ratio and milliseconds are averaged
+BUDGET = 0.010  # Wall time in seconds for the physics in one tick. The rest of 1/60 s is for drawing.
+# Longest tick in seconds of wall time. The model does not make up for a longer pause of the whole program.
+LONGEST_TICK = 0.25
+AVERAGED = 0.5  # Wall time in seconds over which clock ratio and milliseconds are averaged.
 
 
 class FramePacer:
-    """Counter of due frames, and measure of the accuracy of the clock.
+    """Counts the frames that are due, and measures the accuracy of the model clock.
 
     Attributes:
-        clock_ratio: elapsed model time relative to the set slow motion; 1.0 is on time; averaged over half a second.
-        milliseconds: wall time of a frame, averaged in the same way.
-        due: frames not yet computed, within half a frame of the wall clock.
+        clock_ratio: elapsed model time relative to the set slow motion; 1.0 if the clock is on time. It is averaged
+            over
+            half a second.
+        milliseconds: wall time of a frame, averaged over half a second.
+        due: number of frames that are due but not yet computed, accurate to half a frame.
     """
 
     def __init__(self, budget: float = BUDGET, clock: Callable[[], float] = perf_counter) -> None:
@@ -27,9 +31,10 @@ class FramePacer:
         self.clock_ratio, self.milliseconds = 1.0, 0.0
 
     def run(self, wall_seconds: float, frame: Callable[[], bool], rate: float = FRAME_RATE) -> int:
-        """Call `frame` for every frame due in `wall_seconds` that fits the budget, at least once; return how many ran.
+        """Call `frame` for every frame that is due after `wall_seconds`, and return the number of computed frames.
 
-        There are `rate` frames in a wall second. If `frame` returns False, it did not run, and no more frames are due.
+        At least one due frame is computed, and more while the time budget lasts. `rate` is the number of frames per
+        second of wall time. If `frame` returns False, no frame was computed, and no further frame is due.
         """
         wanted = min(max(wall_seconds, 0.0), LONGEST_TICK) * rate
         self.due += wanted
@@ -58,5 +63,5 @@ class FramePacer:
             self.milliseconds += share * (milliseconds - self.milliseconds) if self.milliseconds else milliseconds
 
     def restart(self) -> None:
-        """Reset after a pause: no frame is due, and the clock is on time."""
+        """Reset the pacer after a pause. No frame is due, and the clock is on time."""
         self.due, self.clock_ratio = 0.0, 1.0

@@ -1,4 +1,4 @@
-"""Slices of the history: frames of one lane with one setup, as arrays for plots and exports."""
+"""Slices of the history. A slice contains frames of one lane with one setup, as arrays for plots and exports."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,13 +9,14 @@ from softcradle.sandbox.session.frame_history import Block, History, LaneRows
 from softcradle.sandbox.session.lane_setup import LaneSetup
 from softcradle.sandbox.session.ledger import BY_BED, BY_CONTACTS
 
-ROWS = 512  # rows of the history that are searched at a time
+ROWS = 512  # Number of rows of the history that are searched at a time.
 
 
 def approach_of(history: History, lane: int, frame: int) -> tuple[Array, Array] | None:
-    """Return (n,) overlaps and (n+1,) velocities at the latest frame up to `frame` without a contact force in the lane.
+    """Return the overlaps (n,) and velocities (n+1,) of a lane before a collision.
 
-    Return None if there is no such frame since the number of beads last changed, so that no collision began there.
+    They are the values of the latest frame up to `frame` in which no contact of the lane carries a force. Return None
+    if there is no such frame with the present number of beads.
     """
     last = frame
     while last >= history.first:
@@ -34,13 +35,13 @@ def approach_of(history: History, lane: int, frame: int) -> tuple[Array, Array] 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HistorySlice(Motion):
-    """Motion of one lane from frame `first` on, complete or thinned out, with one setup.
+    """Motion of one lane from frame `first` on, with one setup. Frames may be left out at regular intervals.
 
     Attributes:
         first: frame of row 0.
         setup: the LaneSetup; its chain is `chain`.
         step: longest step [s] that was taken; 0 for an adaptive method.
-        ledger: (T, 13) see :mod:`softcradle.sandbox.session.ledger`.
+        ledger: (T, 13) energy and momentum balance, see :mod:`softcradle.sandbox.session.ledger`.
     """
 
     first: int
@@ -50,11 +51,11 @@ class HistorySlice(Motion):
 
 
 def history_slices(history: History, lane: int, first: int, last: int, most: int = 0) -> Iterator[HistorySlice]:
-    """Yield the available frames `first` to `last` of a lane: a slice for each block and setup, ascending.
+    """Yield the stored frames from `first` to `last` of a lane, as one slice for each block and setup.
 
-    With `most` > 0, yield between `most` and twice as many frames: every second, fourth, eighth ... counted from frame
-    0. So the frames of a longer part are a subset of those of a shorter one, and a curve drawn in pieces equals the
-    curve drawn at once.
+    If `most` > 0, yield between `most` and twice as many frames. Only every second, fourth, eighth ... frame, counted
+    from frame 0, is then included. The frames of a longer part are therefore a subset of the frames of a shorter part.
+    A curve that is drawn in pieces equals the curve drawn at once.
     """
     first, last = max(first, history.first), min(last, history.last)
     stride = 1 << max(0, ((last - first) // most).bit_length() - 1) if most else 1
@@ -65,13 +66,14 @@ def history_slices(history: History, lane: int, first: int, last: int, most: int
 
 
 def slice_at(history: History, lane: int, frame: int) -> HistorySlice:
-    """Return one frame of a lane."""
+    """Return a slice that contains a single frame of a lane."""
     return next(history_slices(history, lane, frame, frame))
 
 
 def last_slice(history: History, lane: int, last: int) -> HistorySlice:
-    """Return the frames up to `last` since the lane's chain or method last changed, in one slice with the setup of
-    `last`.
+    """Return one slice with the frames up to `last` since the chain or the method of the lane last changed.
+
+    Its setup is the setup of the frame `last`.
     """
     setup, every = slice_at(history, lane, last).setup, list(history_slices(history, lane, history.first, last))
     alike = [part.chain is setup.chain and part.setup.method == setup.method for part in every]
@@ -83,7 +85,9 @@ def last_slice(history: History, lane: int, last: int) -> HistorySlice:
 
 
 def _of_block(block: Block, lane: int, low: int, high: int, stride: int) -> Iterator[HistorySlice]:
-    """Yield rows `low` to `high` (exclusive) of a block, every `stride`-th, a slice for each setup."""
+    """Yield a slice for each setup in the rows `low` to `high` (exclusive) of a block. Only every `stride`-th row is
+    included.
+    """
     ends = [*(row for row, _ in block.setups[1:]), block.used]
     for (begin, setup), end in zip(block.setups, ends, strict=True):
         start, stop = max(low, begin), min(high, end)

@@ -1,8 +1,10 @@
-"""Inputs: all user actions on the model, as small immutable values that are applied, recorded and replayed.
+"""Inputs: all user actions on the model. An input is a small immutable value that can be applied, recorded and
+replayed.
 
-A recording refers to them by class name, so renaming a class would break replay.
+A recording stores the class name of each input. Renaming a class would break the replay of old recordings.
 
-`lane` counts from 0; `bead` 0 ... n and `contact` 0 ... n-1 from left to right; None means all of them.
+All indices count from the left: `lane` from 0, `bead` from 0 to n, and `contact` from 0 to n-1. None means all lanes,
+beads or contacts.
 """
 
 import math
@@ -37,36 +39,38 @@ from softcradle.sandbox.session.state_changes import (
 
 @dataclass(frozen=True)
 class Input:
-    """User action on a session.
+    """A user action on a session.
 
     Attributes:
-        undo_name: name of the undo step before it; an input without a name does not start a step.
+        undo_name: name of the undo step that begins with this input. An input without a name does not start a step.
     """
 
     undo_name: ClassVar[str] = ""
 
 
 class LaneInput(Input):
-    """Edit of one lane, or of all of them.
+    """An edit of one lane or of all lanes.
 
     Attributes:
-        changes_start: True if it also changes the start of the lane, as edits of masses, laws and the number of beads
-            do.
+        changes_start: True if the edit also changes the start of the lane. Edits of masses, contact laws and the number
+            of
+            beads do.
     """
 
     changes_start: ClassVar[bool] = False
     lane: int | None
 
     def edited(self, setup: LaneSetup, state: State) -> Changed:
-        """Return setup and state after the edit; `state` may be changed in place. Raise ValueError with a sentence if
-        it is invalid.
+        """Return the setup and the state after the edit. Raise ValueError with a sentence if the edit is invalid.
+
+        The arrays of `state` may be changed in place.
         """
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class Drag(Input):
-    """Pull a bead while the model runs, by a spring from the bead to the pointer at `position` [m]."""
+    """Pull a bead while the model runs. A spring connects the bead to the pointer at `position` [m]."""
 
     undo_name: ClassVar[str] = N_("bead pulled")
     lane: int
@@ -76,12 +80,12 @@ class Drag(Input):
 
 @dataclass(frozen=True)
 class Drop(Input):
-    """Release the pulled bead; it keeps its velocity, as in a throw."""
+    """Release the pulled bead. The bead keeps its velocity, so it can be thrown."""
 
 
 @dataclass(frozen=True)
 class Place(LaneInput):
-    """Put a bead at `position` [m] at once; beads in its way are pushed along, and walls stop it."""
+    """Move a bead to `position` [m] at once. It pushes beads in its way along, and walls stop it."""
 
     undo_name: ClassVar[str] = N_("bead moved")
     lane: int
@@ -96,7 +100,7 @@ class Place(LaneInput):
 
 @dataclass(frozen=True)
 class SetVelocity(LaneInput):
-    """Give a bead (None: all) a `velocity` [m/s]."""
+    """Set the `velocity` [m/s] of a bead, or of all beads if `bead` is None."""
 
     undo_name: ClassVar[str] = N_("velocity")
     lane: int
@@ -111,7 +115,9 @@ class SetVelocity(LaneInput):
 
 @dataclass(frozen=True)
 class SetMass(LaneInput):
-    """Give a bead (None: all but walls) a `mass` [kg]; inf makes it a wall."""
+    """Set the `mass` [kg] of a bead, or of all beads except walls if `bead` is None. An infinite mass makes the bead a
+    wall.
+    """
 
     undo_name: ClassVar[str] = N_("mass")
     changes_start: ClassVar[bool] = True
@@ -133,7 +139,10 @@ class SetMass(LaneInput):
 
 @dataclass(frozen=True)
 class SetContact(LaneInput):
-    """Give a contact (None: all) the law `law`; see `dataclasses.replace` to change one number of it."""
+    """Set the law of a contact to `law`, or the laws of all contacts if `contact` is None.
+
+    Use `dataclasses.replace` to change a single number of the present law.
+    """
 
     undo_name: ClassVar[str] = N_("contact")
     changes_start: ClassVar[bool] = True
@@ -148,9 +157,10 @@ class SetContact(LaneInput):
 
 @dataclass(frozen=True)
 class SetKind(LaneInput):
-    """Convert a contact (None: all) to the kind 'power', 'gear' (draft gear) or 'hard'.
+    """Convert a contact, or all contacts if `contact` is None. The kinds are 'power', 'gear' (draft gear) and 'hard'.
 
-    It stops an impact at this scene's speed within the same depth.
+    The new contact stops an impact at the speed of the scene within the same depth as the old contact. A hard contact
+    stops it within a twentieth of this depth.
     """
 
     undo_name: ClassVar[str] = N_("kind of contact")
@@ -172,7 +182,10 @@ class SetKind(LaneInput):
 
 @dataclass(frozen=True)
 class Lock(LaneInput):
-    """Lock the piston of a contact (None: all): it becomes hard. Unlocking restores its law."""
+    """Lock or unlock the piston of a contact, or of all contacts if `contact` is None.
+
+    A locked contact is hard. Unlocking restores its previous law.
+    """
 
     undo_name: ClassVar[str] = N_("lock")
     changes_start: ClassVar[bool] = True
@@ -193,7 +206,10 @@ class Lock(LaneInput):
 
 @dataclass(frozen=True)
 class SetGap(LaneInput):
-    """Set the distance between two neighbours to `gap` [m], an overlap if negative; everything to the right moves along."""
+    """Set the distance between two neighbouring beads to `gap` [m]. A negative gap is an overlap.
+
+    All beads on the right move along.
+    """
 
     undo_name: ClassVar[str] = N_("gap")
     lane: int
@@ -223,7 +239,7 @@ class SetGap(LaneInput):
 
 @dataclass(frozen=True)
 class SetDrive(LaneInput):
-    """Apply a steady external `force` [N] to a bead (None: all)."""
+    """Apply a constant external `force` [N] to a bead, or to all beads if `bead` is None."""
 
     undo_name: ClassVar[str] = N_("drive")
     lane: int
@@ -242,7 +258,7 @@ class SetDrive(LaneInput):
 
 @dataclass(frozen=True)
 class SetFriction(LaneInput):
-    """Set the Coulomb coefficient of the bed of a lane, >= 0; 0 is a frictionless bed."""
+    """Set the coefficient of Coulomb friction between the beads of a lane and the bed. It is >= 0; 0 means no friction."""
 
     undo_name: ClassVar[str] = N_("friction")
     lane: int
@@ -260,9 +276,10 @@ class SetFriction(LaneInput):
 
 @dataclass(frozen=True)
 class AddBead(LaneInput):
-    """Insert a bead so that it becomes number `bead` (0 ... n+1), with the velocity of its neighbours.
+    """Insert a bead with the number `bead` (0 ... n+1). Its velocity is the mean velocity of its neighbours.
 
-    `gap` [m] is its distance to the chain if it is added at an end; between two beads it halves their gap.
+    At an end of the chain, `gap` [m] is the distance between the new bead and the chain. Between two beads, the new
+    bead divides their gap into halves.
     """
 
     undo_name: ClassVar[str] = N_("bead added")
@@ -280,7 +297,8 @@ class AddBead(LaneInput):
             raise ValueError(gettext("a lane holds at most {most} beads", most=MOST_BEADS))
         if not math.isinf(self.mass):
             finite(N_("mass"), self.mass)
-        near = min(max(self.bead - 1, 0), n - 1)  # the contact that it divides, or its neighbour
+        # Index of the contact that the new bead divides, or of the nearest contact if the bead is added at an end.
+        near = min(max(self.bead - 1, 0), n - 1)
         law = chain.contact[near] if self.law is None else self.law
         check_law(law)
         masses = [*chain.mass[: self.bead], self.mass, *chain.mass[self.bead :]]
@@ -301,7 +319,7 @@ class AddBead(LaneInput):
             drive=drive,
             forces=forces,
             brakes=brakes,
-        )  # friction and strings stay
+        )  # Friction and strings of the chain do not change.
         return setup.with_chain(longer, locked, origin), inserted(
             chain, longer, state, self.bead, abs(finite(N_("gap"), self.gap))
         )
@@ -309,7 +327,7 @@ class AddBead(LaneInput):
 
 @dataclass(frozen=True)
 class RemoveBead(LaneInput):
-    """Remove a bead and its right contact (its left one at the right end)."""
+    """Remove a bead together with its right contact. At the right end, the left contact is removed."""
 
     undo_name: ClassVar[str] = N_("bead removed")
     changes_start: ClassVar[bool] = True
@@ -355,7 +373,9 @@ class RemoveBead(LaneInput):
 
 @dataclass(frozen=True)
 class SetMethod(LaneInput):
-    """Integrate a lane (None: all) with the named method; with 'auto', method and step are chosen."""
+    """Set the integration method of a lane, or of all lanes if `lane` is None. With 'auto', the program chooses method
+    and step.
+    """
 
     undo_name: ClassVar[str] = N_("method")
     lane: int | None
@@ -367,7 +387,10 @@ class SetMethod(LaneInput):
 
 @dataclass(frozen=True)
 class SetStep(LaneInput):
-    """Use steps of at most `step` [s] in a lane (None: all); with None, the step is chosen."""
+    """Limit the time step of a lane to `step` [s], or of all lanes if `lane` is None.
+
+    If `step` is None, the program chooses the step.
+    """
 
     undo_name: ClassVar[str] = N_("step")
     lane: int | None
@@ -381,14 +404,14 @@ class SetStep(LaneInput):
 
 @dataclass(frozen=True)
 class SetSlow(Input):
-    """Slow motion: `slow` seconds of wall time show one second of the model."""
+    """Set the slow motion. One second of model time is shown in `slow` seconds of wall time."""
 
     slow: float
 
 
 @dataclass(frozen=True)
 class Resume(Input):
-    """Play on from a frame of the history: no bead is held, and the methods start with fresh scratch memory."""
+    """Continue from a frame of the history. No bead is held, and the methods start with empty scratch memory."""
 
 
 INPUTS: dict[str, type[Input]] = {
@@ -397,12 +420,12 @@ INPUTS: dict[str, type[Input]] = {
 
 
 def to_table(item: Input) -> dict[str, Any]:
-    """Return the input as plain JSON."""
+    """Return the input as a table of plain JSON values."""
     return {"input": type(item).__name__, **asdict(item)}
 
 
 def from_table(table: dict[str, Any]) -> Input:
-    """Return the input written by :func:`to_table`. Raise ValueError for another table."""
+    """Return the input from a table written by :func:`to_table`. Raise ValueError for any other table."""
     input_class = INPUTS.get(str(table.get("input")))
     values = {key: value for key, value in table.items() if key != "input"}
     if input_class is None or set(values) - {field.name for field in fields(input_class)}:

@@ -1,5 +1,5 @@
-"""Setups of lanes: the immutable part of a session. An edit replaces a setup; the history stores the setup of each
-frame.
+"""Setups of lanes. A setup is the immutable part of a lane, and an edit replaces it. The history stores the setup of
+each frame.
 """
 
 from __future__ import annotations
@@ -22,18 +22,19 @@ from softcradle.sandbox.scene_runs import KEEPING, SHOWN
 from softcradle.sandbox.story.live_rules import CONSERVING_COST, FRAME_COST, FRAME_RATE
 from softcradle.scenes import Lane, Scene
 
-# microseconds per contact and step
+# Cost of a step per contact in microseconds, by method.
 STEP_COST = {"euler": 0.015, "verlet": 0.015, "yoshida4": 0.045, "conserving": CONSERVING_COST, "pymunk": 2.0}
-# largest cost of a frame [us] with an entered step; beyond it a dragged bead lags behind the pointer
+# Largest cost of a frame in microseconds if the user has entered the step. With a larger cost, a dragged bead would lag
+# behind the pointer.
 TYPED_STEP_FRAME_COST = 30_000.0
 
 
 def suitable_step(method: str, chain: Chain, speed: float) -> float:
-    """Return the step [s] at which `method` has an error of about ERROR in the final velocities; 0 for adaptive
-    methods.
+    """Return a step [s] for `method`, or 0 if the method is adaptive. The final velocities then have an error of about
+    ERROR.
 
-    The step of `conserving`, the default method, follows the rule of the method "auto" for this error. It keeps it in
-    every scene of the catalogue, for 0.3 microseconds per contact and step.
+    For the default method `conserving`, the step follows the same rule as the method "auto". With this step, the error
+    stays below ERROR in every scene of the catalogue. The cost is 0.3 microseconds per contact and step.
     """
     if find_method(method).adaptive:
         return 0.0
@@ -43,38 +44,39 @@ def suitable_step(method: str, chain: Chain, speed: float) -> float:
 
 
 def steps_in(frame_time: float, method: str, step: float, contacts: int, given: bool, hangs: bool = False) -> int:
-    """Return the number of steps in a frame of `frame_time` [s]: none longer than `step` [s], if the frame's cost
-    allows it.
+    """Return the number of steps in a frame of `frame_time` [s]. A step is at most `step` [s] long if the cost allows
+    it.
 
-    The cost is counted in steps, not measured, so that the same inputs give bitwise the same results on a slow
-    computer. Beads on strings touch for a small part of a frame only (`hangs`), and the steps between are done in one go.
+    The cost is counted in steps and not measured. The same inputs therefore give bitwise the same results on a slow
+    computer. If the chain `hangs` on strings, its frames may cost more. Beads on strings touch only for a small part of
+    a frame, and the time between collisions takes a single step.
     """
     most = (TYPED_STEP_FRAME_COST if given or hangs else FRAME_COST) / (STEP_COST.get(method, 1.0) * contacts)
     return max(1, min(math.ceil(frame_time / step - 1e-9), int(most)))
 
 
-TOLERANCE = 1e-8  # default tolerance of adaptive methods
-DURATION = 10.0  # duration [s] of a scene that no longer ends by itself after an edit
+TOLERANCE = 1e-8  # Default tolerance of adaptive methods.
+DURATION = 10.0  # Duration in seconds of a scene that, after an edit, no longer ends by itself.
 
 
 @dataclass(frozen=True)
 class LaneSetup:
-    """Settings that determine how one lane moves.
+    """Settings that determine the motion of one lane.
 
     Attributes:
-        label: label of the scene's lane.
+        label: label of the lane in the scene.
         chain: the Chain.
         method: a name from METHODS.
         step: longest step [s]; 0 for adaptive methods.
         automatic: True if the method is the default, not a choice of the user.
-        step_given: True if the user has entered the step; False if it is chosen, again after every edit.
-        tolerance: of adaptive methods.
-        locked: for each contact its law before its piston was locked, else None.
-        origin: for each contact the law that it was converted from, where every further conversion starts, else None.
-        speed: closing speed [m/s] of this scene; it scales steps, the pointer spring and errors.
+        step_given: True if the user has entered the step. If False, the step is chosen again after every edit.
+        tolerance: tolerance of adaptive methods.
+        locked: for each contact, its law before its piston was locked, or None.
+        origin: for each contact, the law from which every conversion of this contact starts, or None.
+        speed: closing speed [m/s] of the scene. It scales steps, the pointer spring and errors.
         start: the State to which a restart returns; never changed in place.
         length: length of a bead [m], the limit for the depth of a converted contact.
-        duration: of the scene [s], in which a drive accelerates beads.
+        duration: duration of the scene [s], during which a drive accelerates beads.
     """
 
     label: str
@@ -93,11 +95,15 @@ class LaneSetup:
 
     @property
     def scale(self) -> float:
-        """Speed [m/s] of the fastest possible closing: by the closing speed, by the drive, or by pressed contacts."""
+        """Largest possible speed [m/s] at which two beads close. The closing speed, the drive and compressed contacts
+        contribute.
+        """
         return speed_scale(self.chain, [0.0, self.speed], self.duration)
 
     def with_speed(self, velocity: NDArray[np.float64]) -> LaneSetup:
-        """Return the same lane at the closing speed of `velocity` (n+1,) [m/s]; a chosen step is chosen again."""
+        """Return the same lane with the closing speed of `velocity` (n+1,) [m/s]. A step chosen by the program is
+        chosen again.
+        """
         return replace(self, speed=speed_scale(self.chain, velocity, self.duration)).with_choice()
 
     def with_chain(
@@ -106,34 +112,38 @@ class LaneSetup:
         locked: tuple[Contact | None, ...] | None = None,
         origin: tuple[Contact | None, ...] | None = None,
     ) -> LaneSetup:
-        """Return the same lane with another chain; a chosen step is chosen again. Raise ValueError if the method
-        refuses the chain.
+        """Return the same lane with another chain. A step chosen by the program is chosen again.
+
+        Raise ValueError if the method does not support the chain.
         """
         _check_carried(chain, self.method)
         locked, origin = self.locked if locked is None else locked, self.origin if origin is None else origin
         return replace(self, chain=chain, locked=locked, origin=origin).with_choice()
 
     def origin_of(self, contact: int) -> Contact | None:
-        """Return the law that a contact was converted from; None if it has not been converted."""
+        """Return the law from which a contact was converted, or None if the contact was not converted."""
         return self.origin[contact] if self.origin else None
 
     def with_choice(self) -> LaneSetup:
-        """Return the same lane with a new choice of method and step, unless the user has set them."""
+        """Return the same lane with new choices of method and step. Choices of the user are kept."""
         if self.automatic:
             return replace(self, method=SHOWN, step=suitable_step(SHOWN, self.chain, self.scale))
         return self if self.step_given else replace(self, step=suitable_step(self.method, self.chain, self.scale))
 
     def with_method(self, name: str) -> LaneSetup:
-        """Return the same lane with method `name` ('auto': chosen) and a chosen step. Raise ValueError for an unknown
-        name.
+        """Return the same lane with the method `name`. With 'auto', the program chooses a method. The step is chosen
+        again.
+
+        Raise ValueError if the name is unknown.
         """
         method = self.method if name == "auto" else find_method(name).name
         _check_carried(self.chain, SHOWN if name == "auto" else method)
         return replace(self, method=method, automatic=name == "auto", step_given=False).with_choice()
 
     def with_step(self, step: float | None) -> LaneSetup:
-        """Return the same method with steps of at most `step` [s]; None: chosen. Raise ValueError for an adaptive
-        method.
+        """Return the same lane with steps of at most `step` [s]. If `step` is None, the program chooses the step.
+
+        Raise ValueError if the method is adaptive.
         """
         if step is None:
             return replace(self, step_given=False).with_choice()
@@ -143,18 +153,20 @@ class LaneSetup:
 
     @property
     def finer(self) -> str:
-        """Return a sentence on how to make the method of the lane more accurate."""
+        """Return a sentence that explains how to make the method of the lane more accurate."""
         return _("use a smaller step or slower motion") if self.step_given else _("use slower motion")
 
     @property
     def remedy(self) -> str:
-        """Return advice for an inaccurate method: the method that conserves energy and momentum, unless that one
-        failed.
+        """Return advice for a lane whose method is inaccurate.
+
+        The advice is to use the method that conserves energy and momentum. If the lane already uses it, the advice is
+        the one from `finer`.
         """
         return self.finer if self.method == KEEPING else _("use {method} or a smaller step", method=KEEPING)
 
     def step_for(self, frame_time: float) -> float | None:
-        """Return the step [s] in a frame of `frame_time` [s], see `steps_in`; None for an adaptive method."""
+        """Return the step [s] in a frame of `frame_time` [s], or None for an adaptive method. See `steps_in`."""
         if self.step == 0.0:
             return None
         hangs = self.chain.swing > 0.0
@@ -162,14 +174,14 @@ class LaneSetup:
 
 
 def _check_carried(chain: Chain, method: str) -> None:
-    """Refuse a chain with friction, loss or couplers if the method does not support them."""
+    """Raise ValueError if the chain has friction, loss or couplers and the method does not support them."""
     if reason := refusal_of(method, chain):
         raise InputError(reason)
 
 
 @dataclass(frozen=True)
 class Setup:
-    """All lanes, and the slow motion: `slow` seconds of wall time show one second of the model."""
+    """Setups of all lanes, and the slow motion. One second of model time is shown in `slow` seconds of wall time."""
 
     lanes: tuple[LaneSetup, ...]
     slow: float = 1.0
@@ -181,12 +193,12 @@ class Setup:
 
     @property
     def chains(self) -> list[tuple[Chain, tuple[object, ...]]]:
-        """Return chain and locked pistons of each lane, for comparison."""
+        """Return the chain and the locked pistons of each lane, so that two setups can be compared."""
         return [(lane.chain, lane.locked) for lane in self.lanes]
 
     @property
     def starts(self) -> list[tuple[list[float], ...]]:
-        """Return the start of each lane, for comparison."""
+        """Return the start of each lane as lists, so that two setups can be compared."""
         return [(s.overlap.tolist(), s.rate.tolist(), s.anchor.tolist()) for s in (lane.start for lane in self.lanes)]
 
 
@@ -196,7 +208,7 @@ def setup_of(scene: Scene) -> Setup:
 
 
 def lane_setup(scene: Scene, lane: Lane) -> LaneSetup:
-    """Return the setup of `lane` in `scene`, with the scene's method and step if it has them."""
+    """Return the setup of `lane` in `scene`. Method and step of the scene are used if it defines them."""
     chain, duration = lane.chain(), scene.duration or DURATION
     speed = speed_scale(chain, lane.velocity, duration)
     setup = LaneSetup(

@@ -1,12 +1,13 @@
-"""Ledger (energy and momentum balance) of a lane: its energy and momentum, and the input of pointer, drive, walls and
-edits.
+"""Ledger: the energy and momentum balance of a lane. It books the input from pointer, drive, walls and edits.
 
-External input is booked. An error is the part that neither the start (or the start of another method) nor a booking
-explains: E - booked, relative to the largest energy so far. Energy absorbed by contacts with loss and by the bed is
-booked as taken out, so it is not an error. Columns: KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED,
-MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE, SWITCHES, BY_CONTACTS, BY_BED [J] (absorbed since the lane began),
-WORK_GIVEN [J], IMPULSE_GIVEN [N s] (of the pointer, of forces over time and of edits since then, without drive and
-walls), VELOCITY_ERROR [m/s] (the estimate of the method; negative if the method has none).
+An error is the part of the energy or momentum that neither the start nor a booked input explains. It is E - booked,
+relative to the largest energy so far. The start of another method counts as a start. Energy that is absorbed by
+contacts or by the bed is booked as an output, so it is not an error.
+
+The columns are KINETIC, STORED [J], MOMENTUM [N s], ENERGY_BOOKED, MOMENTUM_BOOKED, ENERGY_SCALE, MOMENTUM_SCALE,
+SWITCHES, BY_CONTACTS, BY_BED [J], WORK_GIVEN [J], IMPULSE_GIVEN [N s] and VELOCITY_ERROR [m/s]. BY_CONTACTS and BY_BED
+are the energies absorbed since the lane began. WORK_GIVEN and IMPULSE_GIVEN count pointer, forces over time and edits,
+but not drive and walls. VELOCITY_ERROR is the estimate of the method, or negative if the method has no estimate.
 """
 
 import math
@@ -26,7 +27,7 @@ LEDGER_COLUMNS = 13
 
 
 def new_ledger(chain: Chain, state: State) -> Array:
-    """Return the ledger (13,) of a lane that begins now, with its energy and momentum booked."""
+    """Return the ledger (13,) of a lane that begins now. Its energy and momentum are booked."""
     ledger = np.zeros(LEDGER_COLUMNS)
     measure(chain, state, ledger)
     book_all(ledger)
@@ -34,12 +35,12 @@ def new_ledger(chain: Chain, state: State) -> Array:
 
 
 def book_all(ledger: Array) -> None:
-    """Book the present energy and momentum; errors count from here."""
+    """Book the present energy and momentum, so that the errors are 0."""
     ledger[ENERGY_BOOKED], ledger[MOMENTUM_BOOKED] = ledger[KINETIC] + ledger[STORED], ledger[MOMENTUM]
 
 
 def measure(chain: Chain, state: State, ledger: Array) -> None:
-    """Write the energies and the momentum of `state` into `ledger`, and increase their scales."""
+    """Write the energies and the momentum of `state` into `ledger`. Increase the scales of both if necessary."""
     mass = np.where(np.isfinite(chain.mass), chain.mass, 0.0)
     momenta = mass * state.velocity(chain)
     ledger[KINETIC] = 0.5 * float(momenta @ state.velocity(chain))
@@ -52,7 +53,7 @@ def measure(chain: Chain, state: State, ledger: Array) -> None:
 
 
 def book_edit(before: Array, ledger: Array, by_drive: float) -> None:
-    """Book the change by an edit: the difference between `before` and `ledger`.
+    """Book the change of energy and momentum by an edit: the difference between `before` and `ledger`.
 
     `by_drive` [J] is the work of the drive along the displacement of the beads by the edit.
     """
@@ -67,9 +68,9 @@ class External(NamedTuple):
     """External input during one frame.
 
     Attributes:
-        work, impulse: of the drive [J], [N s].
-        given: (2,) of the pointer spring and of forces over time.
-        velocity: (n+1,) [m/s] after it; walls keep theirs.
+        work, impulse: work [J] and impulse [N s] of the drive.
+        given: (2,) work and impulse of the pointer spring and of forces over time.
+        velocity: (n+1,) velocities [m/s] after the frame; walls keep their velocity.
         absorbed: (2,) energy [J] that contacts and the bed absorbed.
     """
 
@@ -81,10 +82,10 @@ class External(NamedTuple):
 
 
 def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -> None:
-    """Book a frame: `before` and `ledger` are the measurements before and after it.
+    """Book the input during a frame. `before` and `ledger` contain the balance before and after the frame.
 
-    Walls, strings and a bed with friction account for the missing momentum. If the work of the walls does not follow from it,
-    see `work_of_walls`, the energy after the frame is booked as it is.
+    Missing momentum is attributed to walls, strings and a bed with friction. If the work of the walls does not follow
+    from this momentum, the energy after the frame is booked completely. See `work_of_walls`.
     """
     ledger[[BY_CONTACTS, BY_BED]] += external.absorbed
     ledger[[WORK_GIVEN, IMPULSE_GIVEN]] += external.given
@@ -101,13 +102,15 @@ def book_frame(chain: Chain, before: Array, ledger: Array, external: External) -
 
 
 def energy_error(ledger: Array) -> float | Array:
-    """Return the unexplained energy relative to the largest energy so far; `ledger` (13,) or (R, 13)."""
+    """Return the unexplained energy relative to the largest energy so far. `ledger` has the shape (13,) or (R, 13)."""
     excess = ledger[..., KINETIC] + ledger[..., STORED] - ledger[..., ENERGY_BOOKED]
     return _relative(excess, ledger[..., ENERGY_SCALE])
 
 
 def momentum_error(ledger: Array) -> float | Array:
-    """Return the unexplained momentum relative to the largest sum of abs(m v) so far; `ledger` (13,) or (R, 13)."""
+    """Return the unexplained momentum relative to the largest sum of abs(m v) so far. `ledger` has the shape (13,) or
+    (R, 13).
+    """
     return _relative(ledger[..., MOMENTUM] - ledger[..., MOMENTUM_BOOKED], ledger[..., MOMENTUM_SCALE])
 
 

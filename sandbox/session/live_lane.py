@@ -1,4 +1,4 @@
-"""Live lane: its setup, its state and its ledger, advanced frame by frame and changed by edits."""
+"""Live lane: the setup, the state and the ledger of one lane. It advances frame by frame, and edits change it."""
 
 from __future__ import annotations
 
@@ -32,14 +32,16 @@ from softcradle.sandbox.story.ending import is_endless, is_over
 from softcradle.sandbox.story.live_rules import HAND_FREQUENCY, HAND_SPEED
 
 Array = NDArray[np.float64]
-LARGEST = 1e15  # m, m/s, N; beyond it energies would overflow
-LIVE_STEPS = 5_000  # most steps of an adaptive method in one frame, about 20 ms
-REFERENCE_STEPS = 700  # most steps of the reference method, which is plain Python, in one frame, about 0.2 s
-WARNING_FRAMES = 60  # frames for which a warning of the method stays: half a second
+LARGEST = 1e15  # Largest number in m, m/s and N. Energies of larger numbers would overflow.
+LIVE_STEPS = 5_000  # Largest number of steps of an adaptive method in one frame. They take about 20 ms.
+# Largest number of steps of the reference method in one frame. They take about 0.2 s, because the method is plain
+# Python.
+REFERENCE_STEPS = 700
+WARNING_FRAMES = 60  # Number of frames for which a warning of the method stays: half a second.
 
 
 class BlownUpError(Exception):
-    """A method has exceeded its limit; the message is a sentence."""
+    """Raised if a method yields numbers beyond its limit. The message is a sentence."""
 
 
 @dataclass
@@ -47,11 +49,11 @@ class LiveLane:
     """Present state of one lane.
 
     Attributes:
-        setup: the immutable part.
-        state: the moving part.
+        setup: the immutable part of the lane.
+        state: positions, velocities and forces, which change with time.
         ledger: (13,) energy, momentum and estimated error, see :mod:`softcradle.sandbox.session.ledger`.
-        warning: recent problem of its method, in a sentence; empty without one.
-        warning_age: frames since then.
+        warning: recent problem of the method, in a sentence; empty if there is none.
+        warning_age: number of frames since the last problem.
     """
 
     setup: LaneSetup
@@ -61,7 +63,7 @@ class LiveLane:
     warning_age: int = 0
 
     def __post_init__(self) -> None:
-        """Continue from the error in the ledger, because a frame of the history does not store it elsewhere."""
+        """Set the error estimate of the state from the ledger. A frame of the history stores it only in the ledger."""
         estimate = float(self.ledger[VELOCITY_ERROR])
         self.state.velocity_error = math.nan if estimate < 0.0 else estimate
 
@@ -73,17 +75,17 @@ class LiveLane:
 
     @property
     def chain(self) -> Chain:
-        """The chain."""
+        """The chain of the lane."""
         return self.setup.chain
 
     @property
     def position(self) -> Array:
-        """(n+1,) positions [m], without bead lengths."""
+        """(n+1,) positions of the beads [m], without their lengths."""
         return self.state.position(self.chain)
 
     @property
     def velocity(self) -> Array:
-        """(n+1,) bead velocities [m/s]."""
+        """(n+1,) velocities of the beads [m/s]."""
         return self.state.velocity(self.chain)
 
     @property
@@ -98,7 +100,7 @@ class LiveLane:
 
     @property
     def motion(self) -> Motion:
-        """Return the state as a Motion of one row, for drawing."""
+        """Return the state as a Motion with a single sample, for drawing."""
         state, dissipative = self.state, self.chain.dissipative
         return Motion(
             chain=self.chain,
@@ -111,14 +113,15 @@ class LiveLane:
         )
 
     def changed(self, item: LaneInput, at_start: bool) -> LiveLane:
-        """Return the lane after an edit; an edit `at_start` of the session also changes the lane's start. Raise
-        ValueError if it is refused.
+        """Return the lane after an edit. Raise ValueError if the edit is invalid.
+
+        If the session is `at_start`, the edit also changes the start of the lane.
         """
         setup, state = item.edited(self.setup, self.state.copy())
         ledger = self.ledger.copy()
         measure(setup.chain, state, ledger)
         book_edit(self.ledger, ledger, self._by_drive(state) if setup.chain is self.chain else 0.0)
-        if setup.method != self.setup.method:  # the previous method's error does not count for the new one
+        if setup.method != self.setup.method:  # The error of the previous method does not count for the new method.
             book_all(ledger)
             ledger[VELOCITY_ERROR] = 0.0
         if at_start:
@@ -130,18 +133,20 @@ class LiveLane:
         return LiveLane(replace(setup, start=start), state, ledger)
 
     def advance(self, whole: Setup, bead: int, pointer: float) -> None:
-        """Advance by one frame of the `whole` session; a spring pulls `bead` (-1: none) to `pointer` [m].
+        """Advance the lane by one frame of the `whole` session. A spring pulls `bead` (-1: none) to `pointer` [m].
 
-        Raise BlownUpError, with an unusable state, if a number is not finite or exceeds LARGEST.
+        Raise BlownUpError if a number is not finite or exceeds LARGEST. The state is then unusable.
         """
         chain, state, setup, duration = self.chain, self.state, self.setup, whole.frame_time
         before, closed, switches = self.position, state.closed, state.switches
-        state.taken[:] = 0.0  # for this frame only, because differences of sums would depend on their start
+        # Sum the absorbed energy for this frame only. Differences of longer sums would depend on the start of the sum.
+        state.taken[:] = 0.0
         state.push = self._push(bead, pointer, HAND_FREQUENCY * whole.slow) if bead >= 0 else None
-        # after these steps of a frame `conserving` finishes it, so that no method freezes the window
+        # After this number of steps, `conserving` finishes the frame, so that no method freezes the window.
         most = REFERENCE_STEPS if find_method(setup.method).family is Family.REFERENCE else LIVE_STEPS
         move(chain, state, duration, setup.method, setup.step_for(duration), setup.tolerance, most)
-        # An estimate above the guarantee is far below anything visible; the verdict judges its size.
+        # Skip warnings about an error estimate above the guarantee. Such errors are far too small to be visible, and
+        # the verdict judges their size.
         self._take_warning(" ".join(str(one) for one in state.warnings if one.code is not WarningCode.ESTIMATE))
         if not all(
             (np.abs(values) < LARGEST).all() for values in (state.overlap, state.rate, state.anchor, state.force)
@@ -156,7 +161,7 @@ class LiveLane:
         self.ledger = ledger
 
     def _take_warning(self, warning: str) -> None:
-        """Store a new warning of the method, and drop an old one."""
+        """Store a new warning of the method. Without a new warning, remove an old one after WARNING_FRAMES."""
         if warning:
             self.warning, self.warning_age = warning, 0
             return
@@ -165,8 +170,9 @@ class LiveLane:
             self.warning = ""
 
     def _push(self, bead: int, pointer: float, frequency: float) -> Array:
-        """Return the (n+1,) force [N] on each bead from a spring of angular `frequency` [1/s] to the pointer; 0 on a
-        wall.
+        """Return the force (n+1,) [N] of the pointer spring on each bead. It is 0 for a wall.
+
+        The spring has the angular `frequency` [1/s].
         """
         push, mass = np.zeros(self.chain.contacts + 1), self.chain.mass[bead]
         if math.isfinite(mass):
@@ -177,14 +183,14 @@ class LiveLane:
         return push
 
     def _external(self, before: Array, duration: float) -> External:
-        """Return the input of drive, pointer spring and forces over time during a frame that began at the positions
-        `before`.
+        """Return the input from drive, pointer spring and forces over time during a frame. `before` are the positions
+        at its start.
         """
         beads = np.isfinite(self.chain.mass)
         moved = (self.position - before)[beads]
 
         def of(force: Array | None) -> Array:
-            """Return (2,) work and impulse of a steady force on each bead."""
+            """Return the work and the impulse (2,) of a force that is constant during the frame."""
             return np.zeros(2) if force is None else np.array([force[beads] @ moved, duration * force[beads].sum()])
 
         work, impulse = of(self.chain.drive_force).tolist()
@@ -192,7 +198,7 @@ class LiveLane:
         return External(work, impulse, given, self.velocity, self.state.absorbed.copy())
 
     def _by_drive(self, state: State) -> float:
-        """Return the work [J] of the drive between this state and another state of the same chain."""
+        """Return the work [J] of the drive on the way to another `state` of the same chain."""
         if self.chain.drive_force is None:
             return 0.0
         moved = np.where(np.isfinite(self.chain.mass), state.position(self.chain) - self.position, 0.0)
