@@ -1,7 +1,8 @@
-"""Recordings: the first snapshot of a session, every input with its frame, and a hash of every following frame.
+"""Recordings. A recording contains the first snapshot of a session, every input with its frame, and a hash of every
+later frame.
 
-The file is an .npz with `metadata`, a JSON text, and `hashes`, one 64-bit number for each frame. It contains no pickled
-data.
+The file is an .npz file with `metadata`, a JSON text, and `hashes`, one 64-bit number for each frame after the first.
+It contains no pickled data.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ from softcradle.sandbox.user_error import UserError, reason
 from softcradle.scenes import Scene, parse
 
 FORMAT = 1
-MOST_INPUTS = 50_000  # most inputs of one recording before a new one starts, about 8 megabytes
-MOST_FRAMES = 1_000_000  # most frames of one recording before a new one starts: 8 megabytes of hashes
+MOST_INPUTS = 50_000  # Largest number of inputs of a recording before a new one starts. They take about 8 megabytes.
+# Largest number of frames of a recording before a new one starts. Their hashes take 8 megabytes.
+MOST_FRAMES = 1_000_000
 
 Path = str | PathLike[str]
 
@@ -31,10 +33,10 @@ class Recording:
     """Data that are needed to run a session again, frame by frame.
 
     Attributes:
-        frame: frame of `base`.
-        base: Snapshot with which it begins.
-        inputs: list of (frame after which it was given, Input).
-        hashes: of the states at `frame` + 1, `frame` + 2 ...
+        frame: number of the first frame.
+        base: Snapshot of the first frame.
+        inputs: list of (frame after which the input was given, Input).
+        hashes: hashes of the states at `frame` + 1, `frame` + 2 ...
     """
 
     def __init__(self, base: Snapshot, frame: int = 0) -> None:
@@ -44,16 +46,16 @@ class Recording:
 
     @property
     def last(self) -> int:
-        """Newest recorded frame."""
+        """Number of the newest recorded frame."""
         return self.frame + len(self.hashes)
 
     @property
     def full(self) -> bool:
-        """True if a new recording should be started."""
+        """True if the recording is so long that a new one should be started."""
         return len(self.inputs) > MOST_INPUTS or len(self.hashes) > MOST_FRAMES
 
     def add_input(self, item: inputs.Input) -> None:
-        """Record an input given now; of several pointer positions in one frame, only the last has an effect."""
+        """Record an input that is given now. Of several pointer positions in one frame, only the last is recorded."""
         if isinstance(item, inputs.Drag) and self.inputs:
             frame, before = self.inputs[-1]
             if frame == self.last and isinstance(before, inputs.Drag):
@@ -61,7 +63,7 @@ class Recording:
         self.inputs.append((self.last, item))
 
     def add_frame(self, snapshot: Snapshot) -> None:
-        """Record that `snapshot` was reached."""
+        """Record the hash of a new frame, `snapshot`."""
         self.hashes.append(hash_of(snapshot))
 
     @property
@@ -76,13 +78,13 @@ class Recording:
         return made
 
     def cut(self, frame: int) -> None:
-        """Drop everything after `frame`."""
+        """Drop all inputs and hashes after `frame`."""
         del self.hashes[max(0, frame - self.frame) :]
         while self.inputs and self.inputs[-1][0] > frame:
             self.inputs.pop()
 
     def save(self, path: Path, scene: Scene) -> None:
-        """Write it with its `scene`, completely or not at all. Raise UserError on failure."""
+        """Write the recording and its `scene` to a file. Raise UserError on failure, and leave no partial file."""
         metadata = {
             "softcradle recording": FORMAT,
             "versions": versions(),
@@ -97,7 +99,9 @@ class Recording:
 
 
 def load_recording(path: Path) -> tuple[Recording, Scene]:
-    """Return the recording and the scene written by :meth:`Recording.save`. Raise UserError for another file."""
+    """Return the recording and the scene from a file written by :meth:`Recording.save`. Raise UserError for any other
+    file.
+    """
     try:
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             metadata, hashes = json.loads(str(file["metadata"])), file["hashes"]
@@ -113,12 +117,13 @@ def load_recording(path: Path) -> tuple[Recording, Scene]:
         raise UserError(_("cannot read {path}: {error}", path=path, error=reason(error))) from None
     except UserError:
         raise
-    except Exception:  # a damaged file may fail in zip, compression, arrays, JSON, or the objects made from them
+    # A damaged file may raise errors of zip, decompression, arrays, JSON, or of the objects made from them.
+    except Exception:
         raise UserError(_("{path}: not a recording of softcradle", path=path)) from None
 
 
 def hash_of(snapshot: Snapshot) -> int:
-    """Return 64 bits that differ for states that differ in any bit."""
+    """Return a 64-bit hash of the state of `snapshot`. States that differ in any bit have different hashes."""
     digest = blake2b(np.float64(snapshot.time).tobytes(), digest_size=8)
     for state in snapshot.states:
         for values in (state.overlap, state.rate, state.anchor):

@@ -1,4 +1,6 @@
-"""Replay: run a recording again, frame by frame, and find the first frame whose state differs in any bit."""
+"""Replay: run a recording again, frame by frame. It finds the first frame whose state differs from the recorded state
+in any bit.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,15 @@ from softcradle.scenes import Scene
 
 
 class Replay:
-    """Recording that is being run again.
+    """A recording that is being run again.
 
-    Showing earlier frames does not change it. Any other motion or edit of the session ends it.
+    Scrubbing to earlier frames does not affect the replay. Any other motion or edit of the session ends it.
 
     Attributes:
-        session: the Session that shows it.
-        playing: True if `tick` advances it.
-        frame: the newest frame that was run.
-        diverged: the first frame whose state differs from the recorded one; None while all agree.
+        session: the Session that shows the replay.
+        playing: True if `tick` advances the replay.
+        frame: number of the newest frame that was run.
+        diverged: first frame whose state differs from the recorded state; None while all states agree.
     """
 
     frame: int
@@ -38,8 +40,9 @@ class Replay:
 
     @classmethod
     def load(cls, path: Path, clock: Callable[[], float] = perf_counter) -> Replay:
-        """Return the replay of a file written by `Session.save_recording`, paced by `clock` [s]. Raise UserError for
-        another file.
+        """Return the replay of a file written by `Session.save_recording`. Raise UserError for any other file.
+
+        `clock` returns the wall time [s], which limits the computation of frames.
         """
         return cls(*load_recording(path), clock)
 
@@ -52,22 +55,22 @@ class Replay:
 
     @property
     def done(self) -> bool:
-        """True if every recorded frame has been run, or no further one can be."""
+        """True if every recorded frame has been run, or if no further frame can be run."""
         return self._complete or self.left
 
     @property
     def left(self) -> bool:
-        """True if something else moved or edited the session."""
+        """True if the session was moved or edited by something other than the replay."""
         return self._mark_of() != self._mark
 
     def _mark_of(self) -> tuple[Recording, int, int]:
-        """Return a key that changes with every computed frame and every input."""
+        """Return a key that changes with every computed frame and every input of the session."""
         made = self.session.recording
         return made, len(made.inputs), made.last
 
     @property
     def sentence(self) -> str:
-        """Progress as a sentence for the screen."""
+        """A sentence about the progress of the replay, for the screen."""
         frame, last = self.frame - self.recording.frame, self.recording.last - self.recording.frame
         if self.diverged is not None:
             return _("DIVERGED at frame {frame} of {last}", frame=self.diverged - self.recording.frame, last=last)
@@ -78,20 +81,20 @@ class Replay:
         return _("replay, frame {frame} of {last}", frame=frame, last=last)
 
     def tick(self, wall_seconds: float) -> int:
-        """Advance by `wall_seconds` of the wall clock; return the number of frames run."""
+        """Advance the replay by `wall_seconds` of wall time. Return the number of frames that were run."""
         before = self.frame
         done = self.session.pacer.run(wall_seconds, self.step) if self.playing else 0
         self.session.last_tick = before, before + done
         return done
 
     def run(self) -> bool:
-        """Run to the end at once; return True if every state equals the recorded one."""
+        """Run the replay to its end at once. Return True if every state equals the recorded state."""
         while not self.done:
             self.step()
         return self.diverged is None
 
     def step(self) -> bool:
-        """Run the next frame; return False if there is none."""
+        """Run the next recorded frame. Return False if there is none."""
         if self.done:
             return False
         session = self.session
@@ -110,14 +113,17 @@ class Replay:
             self.diverged = frame
 
     def _apply_inputs(self) -> None:
-        """Apply the inputs of the frame shown; they are in the file, so they do not count as unsaved edits."""
+        """Apply the recorded inputs of the visible frame. They do not count as unsaved edits, because a file contains
+        them.
+        """
         for item in self._inputs.get(self.session.frame, ()):
             try:
-                # the pictures of one pull are one undo step, as in the original
+                # All positions of the pointer during one pull form one undo step, as in the original session.
                 self.session.apply(item, gesture=isinstance(item, Drag))
                 if not isinstance(item, Drag):
                     self.session.end_gesture()
-            except ValueError:  # it was accepted when it was recorded
+            # The input was accepted when it was recorded, so the replay differs from the original session.
+            except ValueError:
                 self._diverge(self.session.frame)
         self.session.undo_stack.mark_saved()
         self._mark, self._present = self._mark_of(), self.session.present

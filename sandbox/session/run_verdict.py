@@ -1,8 +1,8 @@
-"""Verdict on a run: when its errors, its chatter or its steps exceeded their limits, and what to do about it.
+"""Verdict on a run. It lists the times at which errors, chatter or steps exceeded their limits, with a remedy.
 
-One table of criteria judges every frame of a slice of the history. The badge shows the last frame. The findings of the
-whole run are the frames at which a criterion was met, so they stay correct after a scrub, a new branch, an undo and a
-redo.
+One table of criteria is applied to every frame of a slice of the history. The badge shows the criteria of the last
+frame. The findings of a run are the frames at which a criterion was met. They are read from the history, so they remain
+correct after a scrub, a new branch, an undo or a redo.
 """
 
 import math
@@ -25,13 +25,15 @@ from softcradle.sandbox.session.history_slices import HistorySlice, history_slic
 from softcradle.sandbox.session.ledger import SWITCHES, VELOCITY_ERROR, energy_error, momentum_error
 from softcradle.sandbox.story.verdict import BAD, BAD_ERROR, FAIR, FAIR_ERROR, GOOD, LEVELS, level_of
 
-FAIR_VELOCITY = 1e-2  # largest velocity error that is good, relative to the closing speed
-BAD_VELOCITY = 0.1  # largest velocity error that is fair, relative to the closing speed
-MOST_CHATTER = 1.0  # largest ratio of switches to plausible switches
-FINE_STEPS = 8.0  # steps in the shortest contact; with fewer, velocities lose digits
-COARSE_STEPS = 2.0  # steps in the shortest contact; with fewer, velocities are arbitrary
-ON_TIME = 0.9  # smallest clock ratio that is good
-WINDOW = 120  # frames over which chatter is counted: one second of wall time
+FAIR_VELOCITY = 1e-2  # Largest velocity error that counts as good, relative to the closing speed.
+BAD_VELOCITY = 0.1  # Largest velocity error that counts as fair, relative to the closing speed.
+# Largest accepted number of contact openings and closings, relative to the largest plausible number.
+MOST_CHATTER = 1.0
+# Smallest accepted number of steps in the shortest contact. With fewer steps, velocities become inaccurate.
+FINE_STEPS = 8.0
+COARSE_STEPS = 2.0  # Number of steps in the shortest contact below which velocities are arbitrary.
+ON_TIME = 0.9  # Smallest ratio of model clock to wall clock that counts as good.
+WINDOW = 120  # Number of frames over which contact openings and closings are counted: one second of wall time.
 BOUNCING = N_(
     "contacts open and close {times:.0f} times faster than the time step can follow: "
     "individual beads may be wrong; use slower motion"
@@ -45,12 +47,12 @@ COARSE = N_("steps were too long for the contacts")
 
 
 class Criterion(NamedTuple):
-    """Reason for a verdict worse than good.
+    """A condition under which the result of a lane is not good.
 
     Attributes:
         level: 'fair' or 'bad'.
-        holds: (T,) True for each frame of a slice that meets it.
-        sentence: reason at the last of these frames, and remedy.
+        holds: (T,) True for each frame of the slice in which the condition is met.
+        sentence: reason and remedy, for the last of these frames.
         cause: short text for the findings of a run.
     """
 
@@ -61,7 +63,7 @@ class Criterion(NamedTuple):
 
 
 def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterion]:
-    """Return the criteria of one slice, the most severe first; `length` [m] is the length of a bead."""
+    """Return the criteria for one slice of the history, the most severe first. `length` [m] is the length of a bead."""
     setup, method = part.setup, part.setup.method
     steps = shortest_contact(part.chain, setup.scale) / part.step if part.step else math.inf
     found = _off(part, "energy", np.atleast_1d(energy_error(part.ledger)))
@@ -86,7 +88,9 @@ def criteria(part: HistorySlice, chatter: Array, length: float) -> list[Criterio
 
 
 def _off(part: HistorySlice, name: str, error: Array) -> list[Criterion]:
-    """Return the criteria of unexplained energy or momentum, relative to the largest so far."""
+    """Return the criteria for unexplained energy or momentum. `error` is relative to the largest energy or momentum so
+    far.
+    """
     setup, method = part.setup, part.setup.method
     fair, bad, lost = OFF[name]
     values = {"method": method, "error": _percent(float(error[-1])), "remedy": setup.remedy}
@@ -100,7 +104,7 @@ def _off(part: HistorySlice, name: str, error: Array) -> list[Criterion]:
 
 
 def _uncertain(part: HistorySlice) -> list[Criterion]:
-    """Return the criteria of the error that an adaptive method estimates for its own velocities."""
+    """Return the criteria for the velocity error that an adaptive method has estimated."""
     error = estimated_error(part)
     text = _(
         "{method} may be off by {error} of the closing speed: the motion amplifies small errors",
@@ -115,13 +119,15 @@ def _uncertain(part: HistorySlice) -> list[Criterion]:
 
 
 def estimated_error(part: HistorySlice) -> Array:
-    """Return the estimated velocity error (T,) of each frame relative to the closing speed; negative if there is none."""
+    """Return the estimated velocity error (T,) of each frame, relative to the closing speed. It is negative without an
+    estimate.
+    """
     found: Array = part.ledger[:, VELOCITY_ERROR] / part.setup.speed
     return found
 
 
 def _passing(part: HistorySlice, length: float) -> Criterion:
-    """Return the criterion of overlaps beyond the length of a bead, at which a bead has passed its neighbour."""
+    """Return the criterion for overlaps beyond the length of a bead. Such a bead has passed through its neighbour."""
     passed = part.overlap > length
     bead = int(np.argmax(passed[-1]))
     text = _(
@@ -133,10 +139,10 @@ def _passing(part: HistorySlice, length: float) -> Criterion:
 
 
 def _chatter(part: HistorySlice, before: Sequence[HistorySlice] = ()) -> Array:
-    """Return the (T,) number of switches over the last WINDOW frames, relative to the largest plausible number.
+    """Return the (T,) number of contact events in the last WINDOW frames, relative to the largest plausible number.
 
-    Plausible is that every contact closes and opens once, and again in every contact time. Frames `before` the slice
-    count as far back as the number of contacts is the same.
+    A contact event is a closing or an opening. It is plausible that every contact closes and opens once, and once more
+    in every contact time. Frames `before` the slice are counted while the number of contacts is the same.
     """
     alike = list(takewhile(lambda one: one.chain.contacts == part.chain.contacts, reversed(before)))[::-1]
     time = np.concatenate([one.time for one in (*alike, part)])
@@ -154,7 +160,8 @@ def _percent(value: float) -> str:
     return localized(f"{100.0 * value:.2g} %")
 
 
-# what is said of a method that is off by some of it, a little or badly, and of a run in which it was
+# Sentences about a method with an error in energy or momentum: for a small error, for a large error, and as the finding
+# of a run.
 OFF = {
     "energy": (
         N_("{method} is off by {error} of the energy"),
@@ -174,14 +181,16 @@ class Health:
     """Present reliability of a lane.
 
     Attributes:
-        energy_error: unexplained energy relative to the largest so far, without the booked input of pointer, drives,
-            walls and edits. None if walls move at different speeds, because their work is not known.
-        momentum_error: the same for momentum; None if a wall or a bed takes momentum.
-        chatter: contact switches over the last second of wall time relative to the largest plausible number; above 1, a
-            method only seems to keep contacts closed.
-        velocity_error: difference to an accurate run in the background, or else the estimate of the method, relative to
-            the closing speed; None if neither is known.
-        milliseconds: wall time of physics in a frame, all lanes together.
+        energy_error: unexplained energy relative to the largest energy so far. Input of pointer, drives, walls and
+            edits is booked and does not count as unexplained. None if walls move at different speeds, because the work
+                of such walls is not known.
+        momentum_error: unexplained momentum, defined in the same way; None if a wall or a bed absorbs momentum.
+        chatter: number of closings and openings in the last second of wall time, relative to the largest plausible
+            number.
+            Above 1, the method only seems to keep contacts closed.
+        velocity_error: velocity error relative to the closing speed. It is the difference to an accurate run in the
+            background, or otherwise the estimate of the method. None if neither is known.
+        milliseconds: wall time of the physics per frame, for all lanes together.
         level: 'good', 'fair' or 'bad'.
         sentence: reason and remedy.
     """
@@ -202,10 +211,11 @@ def health_of(
     length: float = math.inf,
     velocity_error: float | None = None,
 ) -> Health:
-    """Return the health of a lane at the end of `slices`, its last :data:`WINDOW` frames.
+    """Return the health of a lane at the end of `slices`, which contain its last :data:`WINDOW` frames.
 
-    `warning` is the warning of its method. `length` [m] is the length of a bead; a larger overlap means that it has
-    passed its neighbour. `velocity_error` is the error found by an accurate run in the background, if known.
+    `warning` is the warning of the integration method. `length` [m] is the length of a bead. If an overlap is larger,
+    the bead has passed its neighbour. `velocity_error` is the error found by an accurate run in the background, if
+    known.
     """
     *before, part = slices
     ledger, chain = part.ledger[-1], part.chain
@@ -238,13 +248,13 @@ def health_of(
 
 @dataclass(frozen=True)
 class Finding:
-    """Problem that lasted for a while.
+    """A problem that lasted for a range of frames.
 
     Attributes:
         cause: short text in the current language.
-        level: 'fair' or 'bad', the worst of that time.
-        first, last: frames.
-        begin, end: times [s].
+        level: 'fair' or 'bad', the worst level in these frames.
+        first, last: first and last frame.
+        begin, end: times of these two frames [s].
     """
 
     cause: str
@@ -256,9 +266,9 @@ class Finding:
 
 
 def run_findings(history: History, lane: int, length: float) -> list[Finding]:
-    """Return the findings of a lane in order of time; findings of one cause in close succession are merged.
+    """Return the findings of a lane in order of time. Findings with the same cause in close succession are merged.
 
-    An overlap beyond the `length` [m] of a bead means that a bead has passed its neighbour.
+    An overlap beyond the `length` [m] of a bead means that the bead has passed its neighbour.
     """
     found: list[Finding] = []
     for before, block in history.pairs():
@@ -283,7 +293,9 @@ def _spells(part: HistorySlice, found: Criterion) -> list[Finding]:
 
 
 def _merged(found: list[Finding]) -> list[Finding]:
-    """Return the findings with those of one cause joined if fewer than WINDOW frames lie between them."""
+    """Return the findings in order of time. Findings with the same cause are merged if at most WINDOW frames lie
+    between them.
+    """
     joined: dict[str, list[Finding]] = {}
     for item in sorted(found, key=lambda one: one.first):
         own = joined.setdefault(item.cause, [])

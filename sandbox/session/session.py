@@ -1,6 +1,7 @@
-"""Session: the lanes of a scene on one clock, their history, undo and exports.
+"""Session: the lanes of a scene with a common clock, their history, undo and exports.
 
-Every input changes model and recording through :meth:`Session.apply`, so that a recording can be replayed bitwise.
+Every input changes the model and the recording through :meth:`Session.apply`. A recording can therefore be replayed
+bitwise.
 """
 
 import math
@@ -29,13 +30,14 @@ from softcradle.sandbox.session.undo import Checkpoint, FrozenSession, UndoStack
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
-AUDIBLE = 1e-3  # Closing speed below which an impact is not audible, as a fraction of the closing speed of the scene.
-FASTEST = 1e-2  # Smallest slow motion: wall seconds for one second of the model.
-SLOWEST = 1e6  # Largest slow motion: wall seconds for one second of the model.
+# Closing speed as a fraction of the closing speed of the scene. An impact with a lower closing speed is not audible.
+AUDIBLE = 1e-3
+FASTEST = 1e-2  # Smallest value of the slow motion: wall time in seconds for one second of model time.
+SLOWEST = 1e6  # Largest value of the slow motion: wall time in seconds for one second of model time.
 
 
 class Present(NamedTuple):
-    """State that inputs change: the setup, the lanes and the bead that the pointer holds."""
+    """The state that inputs change: the setup, the lanes, and the bead that the pointer holds."""
 
     setup: Setup
     lanes: list[LiveLane]
@@ -43,14 +45,14 @@ class Present(NamedTuple):
 
 
 def beginning(setup: Setup) -> Present:
-    """Return the state at the start of every lane."""
+    """Return the state in which every lane is at its start."""
     return Present(setup, [LiveLane.at_start(lane) for lane in setup.lanes], NOTHING_HELD)
 
 
 def accepted(item: inputs.Input, now: Present, at_start: bool) -> Present:
     """Return the state after an input. If the session is `at_start`, the input also changes the start of the lanes.
 
-    Raises ValueError with a sentence if the input is not valid.
+    Raise ValueError with a sentence if the input is not valid.
     """
     if isinstance(item, inputs.Drag):
         return now._replace(held=_grasped(item, now.lanes))
@@ -99,7 +101,7 @@ def _lane(lanes: list[LiveLane], index: int) -> LiveLane:
 
 
 class Session:
-    """A scene that is being played: lanes on one clock, the visible frame and exports.
+    """A scene that is being played: its lanes with a common clock, the visible frame and exports.
 
     Arguments:
         scene: the Scene.
@@ -112,7 +114,7 @@ class Session:
         setup: the immutable part: chains, methods, slow motion.
         lanes: list of LiveLane; after scrubbing they contain a frame of the history.
         held: the bead that the pointer holds.
-        playing: whether `tick` moves the model.
+        playing: True if `tick` advances the model.
         frame: number of the visible frame, from `history.first` to `history.last`.
         history: the stored frames.
         recording: first state, inputs, and hashes of the states.
@@ -137,13 +139,13 @@ class Session:
         self._open(setup_of(scene))
 
     def _open(self, setup: Setup) -> None:
-        """Start from the start of every lane."""
+        """Begin at the start of every lane."""
         lanes = beginning(setup).lanes
         states, ledgers = tuple(lane.state for lane in lanes), tuple(lane.ledger for lane in lanes)
         self.begin(Snapshot(lanes[0].state.time, setup, NOTHING_HELD, states, ledgers), 0)
 
     def begin(self, snapshot: Snapshot, frame: int) -> None:
-        """Start history and recording at `snapshot` with the number `frame`, paused."""
+        """Start the history and the recording at `snapshot`, which gets the number `frame`. The session is paused."""
         self.playing = False
         self.history.start(snapshot, frame)
         self._show(self.history.snapshot(frame), frame)
@@ -163,7 +165,7 @@ class Session:
 
     @property
     def slow(self) -> float:
-        """Wall seconds for one second of the model. The input SetSlow changes it."""
+        """Slow motion: wall time [s] for one second of model time. The input SetSlow changes it."""
         return self.setup.slow
 
     @property
@@ -173,7 +175,7 @@ class Session:
 
     @property
     def scrubbed(self) -> bool:
-        """Whether the visible frame is older than the newest. If it is played from there, the later frames are dropped."""
+        """True if the visible frame is older than the newest frame. Playing from it drops the later frames."""
         return self.frame < self.history.last
 
     def play(self) -> None:
@@ -182,15 +184,15 @@ class Session:
         self.pacer.restart()
 
     def pause(self) -> None:
-        """Stop the clock and discard its delay."""
+        """Stop the clock, and discard the frames that are due."""
         if self.playing:
             self.pacer.restart()
         self.playing = False
 
     def tick(self, wall_seconds: float) -> int:
-        """Advance the model by `wall_seconds` if the session is playing, and return the number of computed frames.
+        """Advance the model by `wall_seconds` if the session is playing. Return the number of computed frames.
 
-        If the frames cost more than the budget, the clock runs slower, but the physics does not change: see
+        If the frames take longer than the budget, the clock runs slower, but the physics does not change. See
         ``pacer.clock_ratio``.
         """
         before = self.frame
@@ -199,7 +201,9 @@ class Session:
         return done
 
     def step_frames(self, count: int) -> None:
-        """Pause and go `count` frames forward, or back if it is negative. Frames after the history are computed."""
+        """Pause and go `count` frames forward, or back if `count` is negative. Frames that are not yet in the history
+        are computed.
+        """
         target = max(self.frame + count, self.history.first)
         self.scrub_frame(min(target, self.history.last))
         for _frame in range(target - self.frame):
@@ -207,14 +211,14 @@ class Session:
                 break
 
     def scrub_frame(self, frame: int) -> None:
-        """Pause and show `frame`. Raises IndexError if the history does not contain it."""
+        """Pause and show `frame`. Raise IndexError if the history does not contain it."""
         self.pause()
         if frame != self.frame:
             self._show(self.history.snapshot(frame), frame)
             self._from_history = True
 
     def show_newest(self, present: Present) -> None:
-        """Pause and show the newest frame with the held bead and the methods of `present`. This does not start a new
+        """Pause and show the newest frame, with the held bead and the methods of `present`. This does not start a new
         branch.
         """
         self.pause()
@@ -222,8 +226,9 @@ class Session:
         self.frame, self._from_history = self.history.last, False
 
     def restart(self) -> None:
-        """Go back to the start and pause. All edits are kept, also those after the visible frame. History and recording
-        start again.
+        """Return to the start and pause. History and recording start again.
+
+        All edits are kept. This includes edits that are later than the visible frame.
         """
         self._open(self.history.newest_setup)
 
@@ -231,25 +236,26 @@ class Session:
 
     @property
     def present(self) -> Present:
-        """Current state that inputs change."""
+        """The current state that inputs change."""
         return Present(self.setup, self.lanes, self.held)
 
     def apply(self, item: inputs.Input, gesture: bool = False) -> None:
         """Apply an input from the next frame on. If it is not valid, raise ValueError with a sentence and change
         nothing.
 
-        Inputs of one `gesture` (dragging a slider or a bead) form one undo step, until :meth:`end_gesture` is called.
+        Inputs with `gesture`, such as the drag of a slider or a bead, form one undo step until :meth:`end_gesture` is
+        called.
         """
         self.apply_all([item], gesture)
 
     def apply_all(
         self, items: Sequence[inputs.Input], gesture: bool = False, anew: bool = False, trial: bool = False
     ) -> None:
-        """Apply `items` in turn as one undo step. If one is not valid, raise ValueError with a sentence and change
-        nothing.
+        """Apply the inputs `items` one after the other, as one undo step.
 
-        `anew`: the inputs follow a restart, which belongs to the same step, so that undo restores the earlier motion.
-        `trial`: the step only tries another number, see :attr:`UndoStack.unsaved_work`.
+        If one input is not valid, raise ValueError with a sentence and change nothing. If `anew`, restart before the
+        inputs. The restart belongs to the same undo step, so an undo restores the earlier motion. If `trial`, the step
+        only tries another number. See :attr:`UndoStack.unsaved_work`.
         """
         if not items:
             return
@@ -270,7 +276,9 @@ class Session:
         self.history.replace_last(self.snapshot(), lambda: contact_events(self.history, self.frame - 1))
 
     def drag(self, lane: int, bead: int, position: float) -> None:
-        """Drag a bead to the pointer: by a spring while the model runs, by moving it while the session is paused."""
+        """Drag a bead to the pointer at `position` [m]. While the session plays, a spring pulls the bead. While it is
+        paused, the bead is moved at once.
+        """
         input_class = inputs.Drag if self.playing else inputs.Place
         self.apply(input_class(lane, bead, position), gesture=True)
 
@@ -285,18 +293,20 @@ class Session:
         self.undo_stack.end_gesture()
 
     def set_words(self, scene: Scene) -> None:
-        """Take title and texts of `scene`, which starts in the same way as this one. The motion does not change."""
+        """Use the title and the texts of `scene`, which starts in the same way as the present scene. The motion does
+        not change.
+        """
         self.undo_stack.add(scene, False, self._checkpoint())
         self.scene = scene
 
     def undo(self) -> str:
-        """Pause and restore the frame and the motion before the last edit. Return the name of the edit, or "" if there
+        """Pause, and restore the frame and the motion before the last edit. Return the name of the edit, or "" if there
         is none.
         """
         return self._go_to(self.undo_stack.undo(self._checkpoint()))
 
     def redo(self) -> str:
-        """Pause and restore the frame and the motion after the last undone edit. Return its name, or "" if there is
+        """Pause, and restore the frame and the motion after the last undone edit. Return its name, or "" if there is
         none.
         """
         return self._go_to(self.undo_stack.redo(self._checkpoint()))
@@ -343,7 +353,7 @@ class Session:
         return True
 
     def snapshot(self) -> Snapshot:
-        """Return the visible frame. Its arrays are shared with the lanes."""
+        """Return the visible frame as a snapshot. The lanes use the same arrays."""
         states, ledgers = tuple(lane.state for lane in self.lanes), tuple(lane.ledger for lane in self.lanes)
         return Snapshot(self.time, self.setup, self.held, states, ledgers)
 
@@ -353,10 +363,13 @@ class Session:
         self.lanes = [LiveLane(*lane) for lane in lanes]
 
     def _branch(self) -> None:
-        """Drop the frames after the visible one from history and recording, before it is played or edited."""
+        """Drop the frames after the visible frame from history and recording. It is called before the frame is played
+        or edited.
+        """
         if self._from_history:
             self._from_history = False
-            if self.history.newest_setup is not self.setup:  # Edits after the dropped frames are dropped with them.
+            # The newest setup has changed, because the dropped frames contained edits. These edits are dropped as well.
+            if self.history.newest_setup is not self.setup:
                 self.undo_stack.lose_what_was_saved()
             self.history.drop_after(self.frame)
             self.recording.cut(self.frame)
@@ -365,7 +378,7 @@ class Session:
             self.recording = Recording(self.snapshot().copy(), self.frame)
 
     def _renew_recording(self) -> None:
-        """Start a new recording at the visible frame if the present one is full."""
+        """If the present recording is full, start a new one at the visible frame."""
         if self.recording.full:
             held = self.held
             self._show(self.snapshot().copy(), self.frame)
@@ -375,11 +388,13 @@ class Session:
     # ---- what is shown
 
     def history_slices(self, lane: int, frames: int) -> list[HistorySlice]:
-        """Return the last `frames` frames of a lane up to the visible one, in ascending order."""
+        """Return the last `frames` frames of a lane up to the visible frame, in order of time."""
         return list(history_slices(self.history, lane, self.frame - frames + 1, self.frame))
 
     def until_contact(self) -> float:
-        """Return the time [s] until the first open contact closes at the present velocities; infinity if none will."""
+        """Return the time [s] until the first open contact closes at the present velocities. It is infinite if none
+        will close.
+        """
         found = [math.inf]
         for lane in self.lanes:
             overlap, rate = lane.state.overlap, lane.state.rate
@@ -393,8 +408,8 @@ class Session:
 
     @property
     def impacts(self) -> tuple[Impact, ...]:
-        """Return the contacts that closed during the last tick in order of time, without those that are too slow to
-        hear.
+        """Return the contacts that closed during the last tick, in order of time. Impacts that are too slow to hear are
+        omitted.
         """
         before, after = self.last_tick
         if after == before or self.history.last <= before:
@@ -405,24 +420,29 @@ class Session:
         return tuple(hit for hit in found if hit.speed > AUDIBLE * self.setup.lanes[hit.lane].speed)
 
     def health(self, lane: int, velocity_error: float | None = None) -> Health:
-        """Return the health of a lane at the visible frame, with the error that a VelocityCheck has found."""
+        """Return the reliability of a lane at the visible frame.
+
+        `velocity_error` is the error found by a VelocityCheck, if known.
+        """
         slices, live, length = self.history_slices(lane, WINDOW), self.lanes[lane], self.scene.view.length
         return health_of(slices, self.pacer, live.warning, length, velocity_error)
 
     def findings(self, lane: int) -> list[Finding]:
-        """Return the faults of a lane in the whole run, in order of time."""
+        """Return the problems of a lane during the whole run, in order of time."""
         return run_findings(self.history, lane, self.scene.view.length)
 
     def approach(self, lane: int) -> tuple[Array, Array]:
-        """Return (n,) overlaps [m] and (n+1,) velocities [m/s] before the collision of the visible frame, or before the
-        next.
+        """Return overlaps (n,) [m] and velocities (n+1,) [m/s] before the collision of the visible frame.
+
+        Between collisions, return the values of the visible frame. Return the values at the start if none are found in
+        the history.
         """
         found = approach_of(self.history, lane, self.frame)
         live = self.lanes[lane]
         return (live.setup.start.overlap, live.setup.start.velocity(live.chain)) if found is None else found
 
     def label(self, lane: int) -> str:
-        """Return the label of a lane: that of the scene, or its contacts after an edit."""
+        """Return the label of a lane. After an edit, the label describes the contacts of the lane."""
         return self._label(lane, self.setup)
 
     def _label(self, lane: int, setup: Setup) -> str:
@@ -432,16 +452,14 @@ class Session:
     # ---- exports
 
     def to_scene(self) -> Scene:
-        """Return the scene at its start with all edits, also those after the visible frame.
+        """Return the scene at its start with all edits. This includes edits that are later than the visible frame.
 
-        Raises ValueError (SceneError) if a scene file cannot express it.
+        Raise ValueError (SceneError) if a scene file cannot express it.
         """
         return self._scene(self.history.newest_setup)
 
     def shown_scene(self) -> Scene:
-        """Return the scene at its start with the edits up to the visible frame. Raises ValueError like
-        :meth:`to_scene`.
-        """
+        """Return the scene at its start with the edits up to the visible frame. Raise ValueError like :meth:`to_scene`."""
         return self._scene(self.setup)
 
     def _scene(self, setup: Setup) -> Scene:
@@ -449,14 +467,16 @@ class Session:
 
     @property
     def edited(self) -> bool:
-        """Whether the lanes start differently from those of the opened scene, so that its text may not describe them."""
+        """True if the lanes start differently from those of the opened scene. The text of the scene may then be wrong."""
         try:
             return self.to_scene().lanes != self.scene.lanes
         except ValueError:  # A scene file cannot express the session.
             return True
 
     def save_scene(self, path: str | Path) -> None:
-        """Write :meth:`to_scene` to a TOML file. If this fails, raise UserError and leave no partial file."""
+        """Write the scene returned by :meth:`to_scene` to a TOML file. If this fails, raise UserError and leave no
+        partial file.
+        """
         try:
             text = self.to_scene().to_toml()
         except ValueError as error:
@@ -466,19 +486,20 @@ class Session:
         self.undo_stack.mark_saved()
 
     def trajectory(self, lane: int) -> Trajectory:
-        """Return the history of a lane up to the visible frame, from the last change of its chain or method on."""
+        """Return the history of a lane up to the visible frame. It begins where the chain or the method last changed."""
         part = last_slice(self.history, lane, self.frame)
         return trajectory_of(part, lane, self.contact_events(), self.history.first)
 
     def export_paths(self, target: Path) -> list[Path]:
-        """Return the paths of the files that :meth:`export` writes."""
+        """Return the paths of the files that :meth:`export` writes for `target`."""
         several = len(self.lanes) > 1
         return [target.with_stem(f"{target.stem}-{k + 1}") if several else target for k in range(len(self.lanes))]
 
     def export(self, path: str | Path) -> list[Path]:
-        """Write the history as .npz or .csv, one file for each lane (name-1, name-2 ...), and return the paths.
+        """Write the history as .npz or .csv, and return the paths of the files.
 
-        Raises UserError if the suffix is not known or a file cannot be written.
+        Several lanes are written to separate files (name-1, name-2 ...). Raise UserError if the suffix is not known or
+        a file cannot be written.
         """
         target = Path(path)
         ending = target.suffix.lower()
@@ -494,8 +515,6 @@ class Session:
         return paths
 
     def save_recording(self, path: str | Path) -> None:
-        """Write the base, the inputs and the hashes of states that `Replay.load` runs again. Raises UserError if this
-        fails.
-        """
+        """Write the recording of the session, which `Replay.load` can run again. Raise UserError if this fails."""
         self.recording.save(path, self.scene)
         self.undo_stack.mark_saved()

@@ -1,4 +1,6 @@
-"""Snapshots: one complete frame of a session, also as plain JSON with every digit, which is the base of a recording."""
+"""Snapshots. A snapshot is one complete frame of a session. Its JSON form keeps every digit, so a recording can start
+from it.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ STATE_ARRAYS = ("overlap", "rate", "anchor", "force")
 
 
 class HeldBead(NamedTuple):
-    """Bead held by the pointer: its lane (-1: none), its number, and the pointer's position [m]."""
+    """The bead held by the pointer: its lane (-1 if none is held), its number, and the position of the pointer [m]."""
 
     lane: float
     bead: float
@@ -32,7 +34,9 @@ NOTHING_HELD = HeldBead(-1.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """One frame: time [s], setup, the bead held by the pointer, and for each lane State and ledger (13,)."""
+    """One frame of a session: time [s], setup, the bead held by the pointer, and for each lane its State and ledger
+    (13,).
+    """
 
     time: float
     setup: Setup
@@ -41,13 +45,13 @@ class Snapshot:
     ledgers: tuple[Array, ...]
 
     def copy(self) -> Snapshot:
-        """Return the same frame in separate arrays, without the scratch memory of the methods."""
+        """Return the same frame with its own arrays. The scratch memory of the methods is not copied."""
         states = tuple(state.copy() for state in self.states)
         return replace(self, states=states, ledgers=tuple(ledger.copy() for ledger in self.ledgers))
 
 
 def snapshot_table(snapshot: Snapshot) -> dict[str, Any]:
-    """Return `snapshot` as a table for JSON."""
+    """Return `snapshot` as a table of plain JSON values."""
     return {
         "time": snapshot.time,
         "slow": snapshot.setup.slow,
@@ -59,8 +63,9 @@ def snapshot_table(snapshot: Snapshot) -> dict[str, Any]:
 
 
 def snapshot_from_table(table: dict[str, Any], scene: Scene) -> Snapshot:
-    """Return the Snapshot of that scene written by :func:`snapshot_table`; raise ValueError, KeyError or TypeError
-    otherwise.
+    """Return the Snapshot of `scene` from a table written by :func:`snapshot_table`.
+
+    Raise ValueError, KeyError or TypeError for any other table.
     """
     lane, bead, position = table["hand"]
     return Snapshot(
@@ -73,7 +78,10 @@ def snapshot_from_table(table: dict[str, Any], scene: Scene) -> Snapshot:
 
 
 def _ledger(columns: list[float]) -> Array:
-    """Return the ledger; of columns that an earlier softcradle did not write the estimate is not known, and others are 0."""
+    """Return the ledger with the given `columns`. Files of earlier versions lack the last columns.
+
+    A missing error estimate counts as not known. Other missing columns are 0.
+    """
     ledger = np.zeros(LEDGER_COLUMNS)
     ledger[VELOCITY_ERROR] = -1.0
     ledger[: len(columns)] = columns
@@ -82,10 +90,10 @@ def _ledger(columns: list[float]) -> Array:
 
 def _lane_table(setup: LaneSetup) -> dict[str, Any]:
     plain = asdict(replace(setup, start=_NO_STATE))
-    del plain["length"], plain["duration"]  # the scene contains them
-    if not setup.origin:  # earlier versions do not read it
+    del plain["length"], plain["duration"]  # The scene contains length and duration.
+    if not setup.origin:  # Omit an empty origin, because earlier versions of softcradle cannot read it.
         del plain["origin"]
-    for name in ("forces", "brakes"):  # the same holds for these
+    for name in ("forces", "brakes"):  # Omit forces and brakes if there are none, for the same reason.
         if not plain["chain"][name]:
             del plain["chain"][name]
     if plain["chain"]["strings"] is None:

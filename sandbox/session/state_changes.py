@@ -1,4 +1,4 @@
-"""Changes of a lane by edits: beads are moved, immutable parts are replaced, and unusable numbers are refused."""
+"""Changes of a lane by edits. Beads are moved, immutable parts are replaced, and unusable numbers are rejected."""
 
 import math
 from collections.abc import Callable
@@ -18,7 +18,7 @@ Flags = NDArray[np.int8]
 
 
 def place_bead(chain: Chain, state: State, bead: int, position: float) -> None:
-    """Move `bead` to `position` [m], or up to a wall; beads in its way are pushed along until they just touch."""
+    """Move `bead` to `position` [m], or up to a wall. Beads in its way are pushed along until they just touch."""
     shift = position - float(state.position(chain)[bead])
     side = 1 if shift > 0.0 else -1
     ahead = np.arange(bead + side, chain.contacts + 1 if side > 0 else -1, side)
@@ -33,7 +33,9 @@ def place_bead(chain: Chain, state: State, bead: int, position: float) -> None:
 
 
 def displace(chain: Chain, state: State, displacement: Array) -> None:
-    """Move every bead by `displacement` (n+1,) [m]; contacts that this changes get the force of their new overlap."""
+    """Move every bead by its `displacement` (n+1,) [m]. If the overlap of a contact changes, its force follows from the
+    new overlap.
+    """
     change = displacement[:-1] - displacement[1:]
     state.overlap += change
     state.anchor[0] += displacement[chain.anchor]
@@ -42,7 +44,7 @@ def displace(chain: Chain, state: State, displacement: Array) -> None:
 
 
 def set_velocity(chain: Chain, state: State, bead: int | None, velocity: float) -> None:
-    """Give `bead`, or all beads (None), the velocity [m/s]."""
+    """Set the `velocity` [m/s] of `bead`, or of all beads if `bead` is None."""
     if bead is None:
         state.rate[:] = 0.0
         state.anchor[1] = velocity
@@ -59,9 +61,10 @@ def set_velocity(chain: Chain, state: State, bead: int | None, velocity: float) 
 def state_from_bead_0(
     chain: Chain, time: float, contacts: tuple[Array, Array, Array], bead_0: tuple[float, float], coupled: Flags
 ) -> State:
-    """Return a State of `chain` from overlaps, rates and forces (n,), with bead 0 at position and velocity `bead_0`.
+    """Return a State of `chain` with the given overlaps, rates and forces (n,).
 
-    `coupled` (n,) or (0,) are the flags of contacts that have coupled.
+    `bead_0` contains the position and the velocity of bead 0. `coupled` (n,) or (0,) contains the flags of contacts
+    that have coupled.
     """
     overlap, rate, force = contacts
     anchor = np.array(
@@ -70,13 +73,13 @@ def state_from_bead_0(
     return State(time, overlap, rate, anchor, force, coupled=coupled)
 
 
-MOST_BEADS = 400  # most beads of a lane
-LARGEST = 1e12  # largest entered number; beyond it sums of positions lose their digits
+MOST_BEADS = 400  # Largest number of beads of a lane.
+LARGEST = 1e12  # Largest number that can be entered. With larger numbers, sums of positions would lose their digits.
 Changed = tuple[LaneSetup, State]
 
 
 class ContactChange(NamedTuple):
-    """Contact after an edit: its law, the law to restore when it is unlocked, the law that it was converted from."""
+    """A contact after an edit: its law, the law that unlocking restores, and the law from which it was converted."""
 
     law: Contact
     locked: Contact | None = None
@@ -84,7 +87,7 @@ class ContactChange(NamedTuple):
 
 
 def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -> State:
-    """Return the state with an additional bead, which has the mean velocity of its neighbours."""
+    """Return the state with an additional bead. Its velocity is the mean velocity of its neighbours."""
     n = chain.contacts
     position, velocity = state.position(chain), state.velocity(chain)
     first, coupled = (float(position[0]), float(velocity[0])), coupled_of(chain, state)
@@ -99,7 +102,9 @@ def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -
         overlap, rate = np.insert(state.overlap, at, shared), np.insert(state.rate, at, 0.5 * state.rate[bead - 1])
         overlap[bead - 1], rate[bead - 1] = shared, 0.5 * state.rate[bead - 1]
     force = np.insert(state.force, at, 0.0)
-    if coupled.size:  # both halves of a contact keep its flag; a contact at an end starts like a contact of the chain
+    # Both halves of a divided contact keep its flag. For a new contact at an end, the flag follows from its initial
+    # state.
+    if coupled.size:
         begins = bead in (0, n + 1) and coupled_at(longer, overlap, force)[at]
         coupled = np.insert(coupled, at, begins if bead in (0, n + 1) else coupled[bead - 1])
     found = state_from_bead_0(longer, state.time, (overlap, rate, force), first, coupled)
@@ -108,10 +113,11 @@ def inserted(chain: Chain, longer: Chain, state: State, bead: int, gap: float) -
 
 
 def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Callable[[int], ContactChange]) -> Changed:
-    """Return the lane with contact `index` (None: each) replaced by the result of `change`.
+    """Return the lane with contact `index` replaced by the result of `change`. If `index` is None, every contact is
+    replaced.
 
-    Pressed contacts get the force of their new law. The force of a contact that just touches does not follow from its
-    overlap, so it stays, within the limits of the law.
+    A compressed contact gets the force that its new law gives for its overlap. A contact that just touches keeps its
+    force, within the limits of the new law, because its force does not follow from its overlap.
     """
     check_index(N_("contact"), index, setup.chain.contacts)
     contacts, locked = list(setup.chain.contact), list(setup.locked)
@@ -126,12 +132,12 @@ def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Cal
 
 
 def put(contacts: tuple[Joint, ...], index: int, law: Contact) -> tuple[Joint, ...]:
-    """Return the contacts with another law at `index`."""
+    """Return the contacts with the law `law` at `index`."""
     return *contacts[:index], law, *contacts[index + 1 :]
 
 
 def with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
-    """Return the lane with `chain`, which has the same number of beads; the state is converted if the anchor bead
+    """Return the lane with another `chain` of the same number of beads. The state is converted if the anchor bead
     changes.
     """
     anchor = chain.anchor
@@ -142,7 +148,7 @@ def with_chain(setup: LaneSetup, state: State, chain: Chain) -> Changed:
 
 
 def check_index(name: str, index: int | None, count: int) -> None:
-    """Refuse an index outside `count` beads or contacts."""
+    """Raise ValueError if `index` is outside `count` beads or contacts."""
     if index is not None and not 0 <= index < count:
         raise ValueError(
             gettext(
@@ -155,7 +161,10 @@ def check_index(name: str, index: int | None, count: int) -> None:
 
 
 def check_law(law: Joint) -> None:
-    """Refuse a law whose numbers are unusable, such as a typing error; a Contact has checked its exponent itself."""
+    """Raise ValueError if a contact law has unusable numbers, for example because of a typing error.
+
+    The exponent is not checked, because a Contact has checked it already.
+    """
     if not isinstance(law, Contact):
         return
     for name, number in ((N_("preload"), law.preload), (N_("stiffness"), law.stiffness)):
@@ -163,7 +172,7 @@ def check_law(law: Joint) -> None:
 
 
 def finite(name: str, number: float) -> float:
-    """Return the number; refuse it if it exceeds LARGEST."""
+    """Return `number`. Raise ValueError if it exceeds LARGEST."""
     if not (math.isfinite(number) and abs(number) <= LARGEST):
         raise ValueError(
             gettext(

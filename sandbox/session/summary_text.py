@@ -1,4 +1,4 @@
-"""Story of a session up to the frame shown: who hit whom, how long it lasted, and how all beads move."""
+"""Text about a session up to the visible frame: which beads collided, for how long, and how all beads move."""
 
 from collections.abc import Callable
 from itertools import takewhile
@@ -17,24 +17,25 @@ from softcradle.sandbox.story.sentences import ending_words, story_words, time_t
 
 
 def summary_text(session: Session) -> str:
-    """Return some sentences about each lane."""
+    """Return some sentences about the motion of each lane."""
     return " ".join([_("At {time}.", time=time_text(session.time)), _of_lanes(session, _lane_words)])
 
 
 def outcome_texts(session: Session) -> list[str]:
-    """Return how all beads of each lane move."""
+    """Return a text for each lane that describes how its beads move."""
     return [ending_words(session_story(session, lane)) for lane in range(len(session.lanes))]
 
 
 def outcome_text(session: Session) -> str:
-    """Return how all beads move, for each lane."""
+    """Return a text that describes how the beads of each lane move."""
     return _of_lanes(session, lambda session, lane: ending_words(session_story(session, lane)))
 
 
 def session_outcome(session: Session, lane: int) -> Outcome:
     """Return the outcome of a lane.
 
-    On a bed friction goes on to slow beads that have come apart, so their outcome has the velocities at that moment.
+    On a bed, friction continues to slow beads after they have separated. The outcome therefore contains the velocities
+    at the moment of separation.
     """
     live = session.lanes[lane]
     start = live.setup.start.velocity(live.chain).tolist()
@@ -42,9 +43,10 @@ def session_outcome(session: Session, lane: int) -> Outcome:
 
 
 def _told_velocity(session: Session, lane: int) -> Array:
-    """Return the present velocities. On a bed, return the velocities at the frame in which the last contact opened.
+    """Return the velocities for the story of a lane.
 
-    The story of a scene with a duration is told at its end.
+    They are usually the present velocities. On a bed, they are the velocities in the frame in which the last contact
+    opened. If the scene has a duration, the present velocities are used in both cases.
     """
     live = session.lanes[lane]
     if (
@@ -63,13 +65,13 @@ def _told_velocity(session: Session, lane: int) -> Array:
 
 
 def _was_touched(session: Session, frame: int) -> bool:
-    """Return True if a person has changed a lane or pulled a bead since a frame."""
+    """Return True if the user has edited a lane or pulled a bead at or after `frame`."""
     by_hand = inputs.LaneInput | inputs.Drag | inputs.Place
     return any(given >= frame and isinstance(item, by_hand) for given, item in session.recording.inputs)
 
 
 def _events(session: Session, lane: int) -> ContactEvents:
-    """Return the contact events of a lane since it has had as many beads as now, up to the frame shown."""
+    """Return the contact events of a lane up to the visible frame, since its number of beads last changed."""
     events, live = session.contact_events(), session.lanes[lane]
     slices = reversed(session.history_slices(lane, session.frame + 1))
     alike = takewhile(lambda part: part.chain.contacts == live.chain.contacts, slices)
@@ -78,7 +80,7 @@ def _events(session: Session, lane: int) -> ContactEvents:
 
 
 def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
-    """Return the words of each lane in a line of its own, after its label if there are several lanes."""
+    """Return the words about each lane on a separate line. If there are several lanes, each line begins with the label."""
     parts = []
     for lane in range(len(session.lanes)):
         label, words = scene_words(session.label(lane)), words_of(session, lane)
@@ -87,7 +89,7 @@ def _of_lanes(session: Session, words_of: Callable[[Session, int], str]) -> str:
 
 
 def _lane_words(session: Session, lane: int) -> str:
-    """Return the story of a lane, with its gravest finding."""
+    """Return the story of a lane, followed by its first severe problem."""
     words = story_words(session_story(session, lane))
     found = (item for item in session.findings(lane) if item.first <= session.frame)
     worst = next((item for item in found if item.level == "bad"), None)
@@ -98,7 +100,7 @@ def _lane_words(session: Session, lane: int) -> str:
 
 
 def session_story(session: Session, lane: int) -> LaneStory:
-    """Return the story of a lane since it has had as many beads as now."""
+    """Return the story of a lane since its number of beads last changed."""
     own, live = _events(session, lane), session.lanes[lane]
     closings, openings = own.select(own.closed), own.select(~own.closed).time
     columns = closings.time.tolist(), closings.approach.tolist(), closings.contact.tolist()

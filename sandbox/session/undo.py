@@ -1,7 +1,7 @@
-"""Undo and redo: the session before each edit, including its motion, in bounded memory.
+"""Undo and redo. The session before each edit is stored with its motion, in limited memory.
 
-An undo returns to the frame at which the edit was made and restores the frames that the edit dropped. A redo restores
-the edit and the motion after it. Neither loses a frame.
+An undo returns to the frame at which the edit was made. It restores the frames that the edit dropped. A redo restores
+the edit and the motion after it. No frame is lost.
 """
 
 from collections import deque
@@ -16,11 +16,11 @@ from softcradle.sandbox.session.recording import Recording
 from softcradle.scenes import Scene
 
 MOST_STEPS = 200
-MEMORY = 24 * 2**20  # bytes of blocks and recordings held by undo steps only
+MEMORY = 24 * 2**20  # Largest number of bytes of history blocks and recordings that are stored only for undo steps.
 
 
 class FrozenSession(NamedTuple):
-    """A stored session: the frame shown, the blocks of the history, the recording, the scene with its texts."""
+    """A stored session: the visible frame, the blocks of the history, the recording, and the scene with its texts."""
 
     frame: int
     blocks: tuple[Block, ...]
@@ -29,17 +29,17 @@ class FrozenSession(NamedTuple):
 
 
 class Checkpoint(NamedTuple):
-    """A session before an edit (or, for a redo, after it).
+    """A session before an edit. A checkpoint for a redo contains the session after the edit.
 
     Attributes:
         number: number of the edit; it stays the same through undo and redo.
         name: name of the edit.
-        is_edit: True if it changes the scene; pulling a bead while the model runs changes only the motion.
-        target: the part that the edit changes; inputs of one gesture with the same target are one step.
-        lanes: lanes that it changes; empty for texts, None for all.
+        is_edit: True if the step changes the scene. Pulling a bead while the model runs changes only the motion.
+        target: the part that the edit changes. Inputs of one gesture with the same target form one step.
+        lanes: lanes that the edit changes; empty for texts, None for all.
         session: the stored session.
-        memory: bytes that the previous step does not share.
-        trial: True if it only tries another number from the start, which is not work that could be lost.
+        memory: number of bytes that are not shared with the previous step.
+        trial: True if the edit only tries another number from the start. Such an edit does not count as unsaved work.
     """
 
     number: int
@@ -53,7 +53,9 @@ class Checkpoint(NamedTuple):
 
 
 def target_of(step: Sequence[inputs.Input] | Scene) -> tuple[object, ...]:
-    """Return the target of `step`; a bead may be pulled and placed in one gesture."""
+    """Return the target of `step`. Pulling and placing a bead have the same target, because one gesture can contain
+    both.
+    """
     if isinstance(step, Scene):
         return ("words",)
     names = ["bead" if isinstance(item, inputs.Drag | inputs.Place) else type(item).__name__ for item in step]
@@ -62,10 +64,10 @@ def target_of(step: Sequence[inputs.Input] | Scene) -> tuple[object, ...]:
 
 
 class UndoStack:
-    """Steps that can be undone and redone.
+    """The steps that can be undone and redone.
 
     Attributes:
-        done, undone: checkpoints, the nearest last.
+        done, undone: checkpoints; the next one to undo or redo is the last.
     """
 
     def __init__(self) -> None:
@@ -73,17 +75,17 @@ class UndoStack:
         self.undone: list[Checkpoint] = []
         self._numbers = count(1)
         self._saved = self._memory = 0
-        self._dropped = 0  # number of the last edit whose step was dropped
+        self._dropped = 0  # Number of the last edit that can no longer be undone, because its step was dropped.
         self._open = False  # True while the gesture of the last input continues
 
     def continues(self, items: Sequence[inputs.Input], gesture: bool) -> bool:
-        """Return True if `items` belong to the last step, that is, to the same gesture."""
+        """Return True if `items` belong to the last step, which means to the same gesture."""
         return gesture and self._open and bool(self.done) and self.done[-1].target == target_of(items)
 
     def add(
         self, step: Sequence[inputs.Input] | Scene, gesture: bool, present: FrozenSession, trial: bool = False
     ) -> None:
-        """Store the `present` session before the inputs of a step, or before the texts of a scene."""
+        """Store the `present` session before a step. The step consists of inputs, or of a scene with new texts."""
         is_edit = isinstance(step, Scene) or not all(isinstance(item, inputs.Drag) for item in step)
         own = _own_memory(present, self.done[-1].session.blocks if self.done else ())
         name = N_("words") if isinstance(step, Scene) else next(item.undo_name for item in step if item.undo_name)
@@ -98,17 +100,17 @@ class UndoStack:
             self._dropped = dropped.number if dropped.is_edit else self._dropped
 
     def end_gesture(self) -> None:
-        """End the gesture, so that the next input starts a new step."""
+        """End the gesture. The next input then starts a new step."""
         self._open = False
 
     def undo(self, present: FrozenSession) -> Checkpoint | None:
-        """Return the session before the last step; the `present` session can be redone."""
+        """Return the session before the last step. Store the `present` session for a redo."""
         step = _move(self.done, self.undone, present)
         self._memory -= step.memory if step else 0
         return step
 
     def redo(self, present: FrozenSession) -> Checkpoint | None:
-        """Return the session after the step that was undone last."""
+        """Return the session after the step that was undone last. Store the `present` session for an undo."""
         step = _move(self.undone, self.done, present)
         self._memory += step.memory if step else 0
         return step
@@ -124,18 +126,18 @@ class UndoStack:
 
     @property
     def unsaved_work(self) -> bool:
-        """True if there are unsaved edits other than trials of numbers."""
+        """True if there are unsaved edits, other than edits that only try another number."""
         only_trials = self._saved == self._dropped == 0 and all(step.trial for step in self.done if step.is_edit)
         return self.unsaved and not only_trials
 
     @property
     def unsaved_beside_first(self) -> bool:
-        """True if there are unsaved edits of lanes other than the first that the first lane does not share."""
+        """True if there are unsaved edits that affect other lanes but not the first lane."""
         alone = (step.lanes and step.lanes.isdisjoint((0, None)) for step in self.done if step.is_edit)
         return self.unsaved and any(alone)
 
     def lose_what_was_saved(self) -> None:
-        """Mark the state as unsaved, because no file contains it."""
+        """Mark the present scene as unsaved, because no file contains it."""
         self._saved = -1
 
     def _last_edit(self) -> int:
@@ -143,7 +145,7 @@ class UndoStack:
 
 
 def _own_memory(present: FrozenSession, before: tuple[Block, ...]) -> int:
-    """Return the bytes of `present` that are not in the blocks `before`."""
+    """Return the number of bytes of `present` that are not shared with the blocks `before`."""
     shared = set(map(id, before))
     return present.recording.memory + sum(block.memory for block in present.blocks if id(block) not in shared)
 

@@ -1,7 +1,7 @@
-"""Table of values: every bead and every contact of a lane at the frame shown, also as CSV.
+"""Table of values: numbers of every bead and every contact of a lane at the visible frame, also as CSV.
 
-The position of a bead is its centre, as in rulers and kymographs; positions of the chain leave out the lengths of
-beads.
+The position of a bead is its centre, as in rulers and kymographs. The positions in a chain do not include the lengths
+of beads.
 """
 
 import csv
@@ -34,13 +34,14 @@ BEAD_COLUMNS = (NP_("column", "bead"), *(one.column for one in OF_BEADS))
 CONTACT_COLUMNS = (NP_("column", "contact"), *(one.column for one in OF_CONTACTS), STORED.column)
 SET_COLUMNS = tuple(
     number.column for number in NUMBERS if number.column not in (*BEAD_COLUMNS, *CONTACT_COLUMNS)
-)  # settings that do not change during the motion
+)  # Settings that do not change during the motion.
 
 
 @dataclass(frozen=True)
 class ValuesTable:
-    """Headers, marked in the context "column", and a row of numbers for each bead or contact; the first number is its
-    index.
+    """A table with a row of numbers for each bead or contact. The first number is the index of the bead or contact.
+
+    The headers in `columns` are marked for translation in the context "column".
     """
 
     columns: tuple[str, ...]
@@ -48,16 +49,19 @@ class ValuesTable:
 
 
 def columns_of(live: LiveLane, kind: str) -> tuple[str, ...]:
-    """Return the headers for the beads or contacts of a lane: moving quantities, and settings that are not 0 for all."""
+    """Return the headers for the beads or contacts of a lane.
+
+    They name the quantities that change with time, and the settings that are not 0 for all beads or contacts.
+    """
     return (*(BEAD_COLUMNS if kind == BEAD else CONTACT_COLUMNS), *_set_numbers(live, kind))
 
 
 def values_table(session: Session, lane: int, kind: str) -> ValuesTable:
-    """Return the table of the beads or contacts of a lane; contact k is between beads k and k + 1."""
+    """Return the table of the beads or contacts of a lane. Contact k lies between beads k and k + 1."""
     live = session.lanes[lane]
     columns = [one.values(live.motion, live.setup.length)[0] for one in (OF_BEADS if kind == BEAD else OF_CONTACTS)]
     if kind == BEAD:
-        for inertia in columns[3:]:  # a wall does not have momentum or energy
+        for inertia in columns[3:]:  # A wall has neither momentum nor energy.
             inertia[np.isinf(live.chain.mass)] = np.nan
     else:
         columns.append(live.chain.stored_energy(live.state.overlap, force=live.state.force))
@@ -67,13 +71,15 @@ def values_table(session: Session, lane: int, kind: str) -> ValuesTable:
 
 
 def _set_numbers(live: LiveLane, kind: str) -> dict[str, Sequence[float]]:
-    """Return the numbers set by the user, by column, without columns that are 0 or missing for all."""
+    """Return the settings of all beads or contacts, by column. Settings that are 0 or missing for all are omitted."""
     found = {one.column: one.values(live) for one in NUMBERS if one.owner == kind and one.column in SET_COLUMNS}
     return {column: values for column, values in found.items() if np.nan_to_num(values).any()}
 
 
 def values_csv(session: Session) -> str:
-    """Return all lanes as CSV with every digit: the time, then beads, then contacts of each lane."""
+    """Return the values of all lanes as CSV, with every digit. The time comes first, then the beads and contacts of
+    each lane.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow((TIME.column, repr(session.time)))

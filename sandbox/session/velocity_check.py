@@ -1,5 +1,6 @@
-"""Check of velocities: an accurate background run, from the last change of the motion on, measures the error of the
-live run.
+"""Check of velocities. An accurate run in the background measures the error of the live run.
+
+The accurate run begins at the frame in which the user last changed the motion.
 """
 
 import math
@@ -19,19 +20,21 @@ from softcradle.sandbox.session.recording import hash_of
 from softcradle.sandbox.session.session import Session
 
 METHOD = TOLD
-TOLERANCE = 1e-9  # tolerance of that run
-# most steps of that run between two checks, some tenths of a second; beyond it the error is unknown
+TOLERANCE = 1e-9  # Tolerance of the accurate run.
+# Largest number of steps of the accurate run between two checks. They take some tenths of a second. If more steps are
+# needed, the error is unknown.
 MOST_STEPS = 20_000
-LEAST_FRAMES = 30  # fewest frames between two checks: a quarter of a second
-# inputs that do not change the motion
+LEAST_FRAMES = 30  # Smallest number of frames between two checks: a quarter of a second.
+# Inputs that do not change the motion.
 UNTOUCHING = inputs.SetSlow, inputs.SetMethod, inputs.SetStep, inputs.Resume
 
 
 @dataclass(frozen=True)
 class CheckedFrame:
-    """Error at a frame with the live velocities `velocity` (n+1,); `state` is the state of the accurate run.
+    """Result of a check at one frame. `velocity` (n+1,) are the live velocities, and `state` is the state of the
+    accurate run.
 
-    The error is the largest error of a bead velocity, relative to the closing speed; None if it is unknown.
+    `error` is the largest error of a bead velocity relative to the closing speed, or None if it is unknown.
     """
 
     frame: int
@@ -41,10 +44,10 @@ class CheckedFrame:
 
 
 class VelocityCheck:
-    """Check of one lane. Its jobs may run on another thread, one at a time.
+    """Check of one lane. Its jobs may run on another thread, one job at a time.
 
     Attributes:
-        base: start of the present checks.
+        base: key of the state from which the present checks start.
     """
 
     def __init__(self, session: Session, lane: int) -> None:
@@ -54,14 +57,16 @@ class VelocityCheck:
         self._busy = False
 
     def error(self) -> float | None:
-        """Error at the frame shown, from the last check; None if it is not known."""
+        """Return the error at the visible frame from the last check, or None if it is not known."""
         if self.base != self._present_base():
             return None
         self._drop_stale()
         return next((one.error for one in reversed(self._found) if one.frame <= self.session.frame), None)
 
     def job(self) -> Callable[[], CheckedFrame] | None:
-        """Return the next check, whose result goes to :meth:`take`; None if none is due."""
+        """Return a function that performs the next check, or None if no check is due. Its result must be passed to
+        :meth:`take`.
+        """
         session = self.session
         base = self._present_base()
         if self._busy or session.held.lane >= 0.0 or not base or session.frame != session.history.last:
@@ -82,13 +87,15 @@ class VelocityCheck:
         return lambda: checked(setup, state.copy(), frame, time, velocity)
 
     def take(self, base: tuple[object, ...], result: object) -> None:
-        """Store the result of a job that was started for `base`."""
+        """Store the `result` of a job that was started for `base`."""
         self._busy = False
         if base == self.base and isinstance(result, CheckedFrame):
             self._found.append(result)
 
     def _drop_stale(self) -> None:
-        """Drop results of a branch that no longer exists, for example with another method."""
+        """Drop results of a branch of the history that no longer exists. For example, another method starts a new
+        branch.
+        """
         history, last = self.session.history, self.session.history.last
         while self._found and not (
             history.first <= self._found[-1].frame <= last
@@ -99,7 +106,7 @@ class VelocityCheck:
             self._found.pop()
 
     def _touched(self) -> int:
-        """Return the frame at which the motion was last changed by the user."""
+        """Return the frame at which the user last changed the motion."""
         frames = (
             frame
             for frame, item in reversed(self.session.recording.inputs)
@@ -116,7 +123,7 @@ class VelocityCheck:
 
 
 def checked(setup: LaneSetup, state: State, frame: int, time: float, velocity: Array) -> CheckedFrame:
-    """Advance `state` accurately to `time` [s] and compare it with the live velocities (n+1,) at that time.
+    """Advance `state` accurately to `time` [s] and compare its velocities with the live velocities (n+1,) at that time.
 
     The error is the difference plus the error estimate of the accurate run.
     """
