@@ -1,4 +1,4 @@
-"""Messages on screen: results of actions and warnings, visible as long as it takes to read them."""
+"""Messages on screen. They show results of actions and warnings, and stay visible long enough to be read."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from softcradle.sandbox.draw.text import shortened, width, wrapped, write
 from softcradle.sandbox.languages import message_words
 
 MOST = 2  # Largest number of messages on screen.
-LONGEST = 1000  # Largest number of characters shown, which fit into every window. Pasted names can be arbitrarily long.
+# Largest number of characters that are shown. They fit into every window. Pasted names can be arbitrarily long.
+LONGEST = 1000
 LEAST_SECONDS = 2.5  # Shortest time in seconds that a message stays.
-SECONDS_A_WORD = 0.35  # Time in seconds per word that a message stays.
-WARNING_FACTOR = 2.0  # Factor by which a warning stays longer than other messages.
+SECONDS_A_WORD = 0.35  # Time on screen in seconds per word of a message.
+WARNING_FACTOR = 2.0  # Factor by which a warning stays on screen longer than other messages.
 
 
 DONE, HINT, WARNING = "done", "hint", "warning"  # Kinds of messages.
@@ -26,7 +27,7 @@ class Message:
 
     Attributes:
         text: the sentence.
-        kind: DONE after an action, HINT if nothing was done, or WARNING.
+        kind: DONE after an action, HINT if no action was performed, or WARNING.
         seconds_left: remaining time on screen [s].
         subject: topic of the message; a newer message with the same subject replaces it. Empty: no subject.
     """
@@ -48,18 +49,18 @@ class Message:
 
 
 class Messages:
-    """The messages on screen; the newest is at the bottom."""
+    """The messages on screen. The newest message is at the bottom."""
 
     def __init__(self) -> None:
         self.visible: list[Message] = []
         self._places: list[tuple[pygame.Rect, Message]] = []
 
     def show(self, text: str, warning: bool = False, subject: str = "") -> None:
-        """Show that something was done, or show a warning. It replaces a message on the same `subject`."""
+        """Show a message about a completed action, or a warning. It replaces an older message with the same `subject`."""
         self._show(text, WARNING if warning else DONE, subject)
 
     def hint(self, text: str, subject: str = "") -> None:
-        """Show why nothing was done, or what to do first. Such a message has no check mark."""
+        """Show a message that explains why an action was not performed, or what to do first. It has no check mark."""
         self._show(text, HINT, subject)
 
     def _show(self, text: str, kind: str, subject: str) -> None:
@@ -75,7 +76,7 @@ class Messages:
         self.visible = [message for message in self.visible if message.warning]
 
     def handle(self, event: pygame.Event) -> bool:
-        """Remove a message that is clicked. Return True if there was one."""
+        """Remove a message that is clicked. Return True if a message was clicked."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             for rect, message in self._places:
                 if rect.collidepoint(event.pos) and message in self.visible:

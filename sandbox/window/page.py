@@ -1,4 +1,4 @@
-"""The base class of the window's pages, and the rule by which derived objects such as widgets are kept up to date."""
+"""The base class of the pages of the window, and a class for derived objects such as widgets."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pygame
 if TYPE_CHECKING:
     from softcradle.sandbox.window.app import App
 
-    Host = App  # Imported only for type checks, because the window imports its pages.
+    Host = App  # This import is only for type checks. The window imports its pages, so a real import would be circular.
 else:
     Host = Any
 
@@ -19,14 +19,15 @@ UNMADE = object()
 
 
 class Derived:
-    """An object that is derived from other values and made again if these change. All visible parts are kept up to date
-    this way.
+    """An object that is made from other values, and made again when these values change.
 
-    Code that changes a value does not need to know which objects depend on it.
+    All visible parts of the window are kept up to date in this way. Code that changes a value need not refer to the
+    objects that depend on it.
 
     Arguments:
-        of: returns the values on which the object depends. They are compared at every frame, so it must be fast.
-        make: makes the object.
+        of: function that returns the values on which the object depends. It is called at every frame, so it must be
+            fast.
+        make: function that makes the object.
 
     Attributes:
         version: number of times that the object was made.
@@ -37,7 +38,7 @@ class Derived:
         self._of: object = UNMADE
 
     def follow(self) -> bool:
-        """Make the object again if its values have changed. Return True if it was made."""
+        """If the values have changed, make the object again and return True."""
         of = self.of()
         if of == self._of:
             return False
@@ -48,7 +49,7 @@ class Derived:
         return True
 
     def note(self) -> None:
-        """Mark the object as up to date. Making it may itself have changed some of the values."""
+        """Mark the object as up to date. This is necessary if making the object has changed some of its values."""
         self._of = self.of()
 
     def forget(self) -> None:
@@ -74,18 +75,19 @@ class Page:
     unsaved = moving = typing = False
 
     def call_unsaved(self) -> None:
-        """Mark the content as unsaved, if the page can be edited."""
+        """Mark the content of the page as unsaved, if the page can be edited."""
 
     def cancel_typing(self) -> None:
-        """Discard the text that is being typed; keys trigger actions again."""
+        """Discard the text that is being typed. Afterwards, keys trigger actions again."""
 
     def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
         """Return the rectangle for messages in a window of the given `size`."""
         return pygame.Rect(0, 0, size[0], size[1] - round(24 * unit))
 
     def made_of(self) -> object:
-        """Return the values on which the widgets depend, in addition to size, unit, level, theme and language of the
-        window.
+        """Return the values on which the widgets depend.
+
+        Size, unit, level, theme and language of the window are not included, because the window checks them itself.
         """
         return ()
 
@@ -93,17 +95,19 @@ class Page:
         """Create the widgets for the size and unit of the host. The old widgets have already been removed."""
 
     def follow(self) -> None:
-        """Update everything drawn, except the widgets, to the present state."""
+        """Update all drawings to the present state. Widgets are not updated."""
 
     def handle(self, event: pygame.Event) -> bool:
         """Handle an event that no widget used. Return True if the page used it."""
         return False
 
     def let_go(self) -> None:
-        """Release a dragged object. The mouse button was released, possibly over a dialog above the page."""
+        """Release a dragged object, because the mouse button was released. The pointer may be over a dialog above the
+        page.
+        """
 
     def take_file(self, path: str, point: tuple[int, int]) -> bool:
-        """Use a file that was dropped at `point`. Return False if the window should open the file instead."""
+        """Use the file `path` that was dropped at `point`. Return False if the window should open the file instead."""
         return False
 
     def update(self, seconds: float) -> None:
@@ -116,7 +120,7 @@ class Page:
         """Draw everything above the widgets."""
 
     def after_frame(self, surface: pygame.Surface, seconds: float) -> None:
-        """Use the finished frame, `seconds` after the previous one."""
+        """Use the finished frame, for example to record it. It comes `seconds` after the previous frame."""
 
     def close(self) -> None:
         """Release the resources of the page before another page is shown."""

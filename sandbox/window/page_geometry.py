@@ -1,5 +1,5 @@
-"""Layout of the page on which a scene is played: its rectangles in pixels, computed from the window size and the
-visible parts.
+"""Layout of the page on which a scene is played. It computes rectangles in pixels from the window size and the visible
+parts.
 """
 
 from __future__ import annotations
@@ -17,27 +17,29 @@ INSETS = 84.0  # Height of the insets in design pixels.
 ENERGY_BARS = 36.0  # Height of the energy bars in design pixels.
 GUTTER = 24.0  # Distance between two plots in design pixels.
 MARGIN = 14.0  # Margin around beads and plots in design pixels.
-# Smallest height of a lane in design pixels. Plots, insets and energy bars are reduced before a lane becomes lower.
+# Smallest height of a lane in design pixels. Plots, insets and energy bars are made smaller before a lane becomes
+# lower.
 LEAST_LANE = 120.0
-# Height of a lane in design pixels at which force bars can be compared: in the Lab (False), and in Explore (True),
-# which shows more of the beads. Plots higher than PLOT_ROW are reduced to reach it.
+# Preferred height of a lane in design pixels: in the Lab (False), and in Explore (True). At this height, the bars of
+# two forces can be compared. Explore shows more of the beads. To reach this height, plots are reduced down to PLOT_ROW.
 LANE = {False: 150.0, True: 180.0}
 LANE_GAP = 4.0  # Distance between two lanes in design pixels.
-PLOT_ROW = 96.0  # Smallest height of a row of plots in design pixels: three labels fit below each other.
-# Height of the plots as a fraction of the main area, for each number of rows.
+# Smallest height of a row of plots in design pixels. It leaves space for three labels below each other.
+PLOT_ROW = 96.0
+# Height of the plots as a fraction of the main area. The keys are numbers of rows.
 PLOTS_SHARE = {0: 0.0, 1: 0.44, 2: 0.53, 3: 0.6, 4: 0.66}
-EXPLORED = 0.85  # Factor on that fraction in Explore, where the beads get more space.
-MOST_PLOTS_SHARE = 0.7  # Fraction of the main area for more than four rows.
+EXPLORED = 0.85  # Factor by which PLOTS_SHARE is reduced in Explore, where the beads get more space.
+MOST_PLOTS_SHARE = 0.7  # Height of the plots as a fraction of the main area, for more than four rows.
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """Rectangles of a page.
+    """Rectangles of a page, in pixels.
 
     Attributes:
         toolbar, footer: the bar at the top, and the area with timeline and time controls at the bottom.
         panel: the panel on the right; empty if it is hidden.
-        lanes: the rectangle of the beads of each lane.
+        lanes: for each lane, the rectangle in which its beads are drawn.
         insets: the area below a single lane; empty if there are more lanes or too little space.
         energy_bars: the energy bars of a single lane; empty if there are more lanes or too little space.
         plots: rows of rectangles, one rectangle for each plot.
@@ -62,7 +64,8 @@ def geometry(
 ) -> Geometry:
     """Return the layout for a window of `size`. `plots` contains the number of plots in each row.
 
-    If `explore`, the page has neither insets nor energy bars. `fitting` returns the possible number of rows.
+    If `explore`, the page has neither insets nor energy bars. The function `fitting` returns how many rows of plots
+    fit.
     """
     width, height = size
     toolbar = Rect(0, 0, width, round(TOOLBAR * unit))
@@ -89,7 +92,7 @@ def geometry(
 def least_height(lanes: int) -> float:
     """Return the smallest height of a window [design pixels] in which all lanes and a row of plots fit in Explore."""
     beads = LANE[False] if lanes == 1 else _lanes_height(lanes, LEAST_LANE)
-    return TOOLBAR + FOOTER + MARGIN + beads + PLOT_ROW + 1.0  # One pixel for rounding.
+    return TOOLBAR + FOOTER + MARGIN + beads + PLOT_ROW + 1.0  # Add one pixel for rounding.
 
 
 def _lanes_height(lanes: int, each: float) -> float:
@@ -98,9 +101,9 @@ def _lanes_height(lanes: int, each: float) -> float:
 
 
 def fitting(size: tuple[int, int], unit: float, lanes: int, explore: bool) -> int:
-    """Return how many rows of plots fit. The others are reached by scrolling.
+    """Return the number of rows of plots that fit. The user can scroll to the other rows.
 
-    A single lane in the Lab always keeps its insets, because the smallest overlap is the point of the scene.
+    A single lane in the Lab always keeps its insets, because such a scene is meant to show its smallest overlap.
     """
     main = size[1] - (TOOLBAR + FOOTER + MARGIN) * unit
     low = LEAST_LANE if lanes > 1 else LANE[False] + (0.0 if explore else INSETS)
@@ -113,8 +116,9 @@ def plots_width(size: tuple[int, int], unit: float, panel: bool) -> float:
 
 
 def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> tuple[tuple[Rect, ...], Rect, Rect]:
-    """Return the rectangles of the lanes, the insets and the energy bars. The last two are empty if the lane would
-    become too low.
+    """Return the rectangles of the lanes, the insets and the energy bars.
+
+    Insets and energy bars are empty if the lanes would otherwise become too low.
     """
     if lanes > 1 or explore:
         none = Rect(rect.left, rect.bottom, rect.width, 0)
@@ -127,6 +131,8 @@ def _beads(rect: Rect, unit: float, lanes: int, roomy: bool, explore: bool) -> t
 
 
 def _plots(rect: Rect, unit: float, counts: Sequence[int]) -> tuple[tuple[Rect, ...], ...]:
-    """Return rows of rectangles. All rows have the same height; the plots in a row have the same width."""
+    """Return the rectangles of the plots, row by row. All rows have the same height. Plots in the same row have the
+    same width.
+    """
     rows = stack(rect, [0.0] * len(counts), unit, 2.0)
     return tuple(tuple(split(row, [0.0] * count, unit, GUTTER)) for row, count in zip(rows, counts, strict=True))

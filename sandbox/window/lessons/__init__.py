@@ -1,1 +1,1 @@
-"""Lessons: questions about a scene whose answers the user predicts before they are measured."""
+"""Lessons: questions about a scene. The user predicts the answer before the scene is played."""

@@ -1,4 +1,6 @@
-"""Lessons: a question about a scene, the user's prediction, the motion, and the answer measured in the motion."""
+"""Lessons. A lesson asks a question about a scene, and the user predicts the answer. The motion then shows the right
+answer.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +25,13 @@ FILE = Path(__file__).parent / "lessons.toml"
 
 @dataclass(frozen=True)
 class Lesson:
-    """A question about a scene.
+    """A question about a scene, with several answers to choose from.
 
     Attributes:
         scene: name of the scene.
         question, choices: text of the question and the possible answers.
-        measure: name in MEASURES of the function that finds the right choice.
-        why: one sentence for each choice that explains it.
+        measure: name in MEASURES of the function that finds the right answer.
+        why: one sentence for each answer that explains it.
     """
 
     scene: str
@@ -39,7 +41,7 @@ class Lesson:
     why: tuple[str, ...]
 
     def answer(self, outcomes: Sequence[Outcome]) -> int | None:
-        """Return the number of the right choice for the outcome of each lane, or None if no choice is right."""
+        """Return the index of the right choice for the given outcome of each lane, or None if no choice is right."""
         return MEASURES[self.measure](outcomes)
 
 
@@ -51,7 +53,9 @@ def lessons() -> tuple[Lesson, ...]:
 
 
 def _leaving(outcomes: Sequence[Outcome]) -> int:
-    """Return 0 if the fastest group of targets is a single bead, 1 if it is more than half of them, 2 if it is fewer."""
+    """Return an index for the group of targets that leaves fastest: 0 for a single bead, 1 for more than half, 2 for
+    fewer.
+    """
     outcome = outcomes[0]
     targets = len(outcome.start) - 1
     fastest = max(outcome.groups, key=lambda group: group.velocity)
@@ -60,7 +64,9 @@ def _leaving(outcomes: Sequence[Outcome]) -> int:
 
 
 def _striker(outcomes: Sequence[Outcome]) -> int:
-    """Return 0 if the first bead stands still or nearly so, 1 if it bounces back, 2 if it goes on."""
+    """Return an index for the motion of the first bead: 0 if it is nearly at rest, 1 if it bounces back, 2 if it goes
+    on.
+    """
     outcome = outcomes[0]
     group = outcome.group_of(0)
     if group is None or not group.moves:
@@ -69,7 +75,7 @@ def _striker(outcomes: Sequence[Outcome]) -> int:
 
 
 def _together(outcomes: Sequence[Outcome]) -> int | None:
-    """Return 0 or 1, the lane in which all targets leave together, 2 for both lanes, or None."""
+    """Return the index of the lane in which all targets leave together, 2 for both lanes, or None for neither."""
     whole = [outcome.group_of(1) for outcome in outcomes]
     leave = [
         group is not None and group.moves and group.last == len(outcome.start) - 1
@@ -86,14 +92,16 @@ MEASURES: dict[str, Callable[[Sequence[Outcome]], int | None]] = {
 
 
 class LessonRunner:
-    """Asks the questions about the scene of a page before it is played, and gives the verdict after the run.
+    """Asks the questions about the scene of a page before it is played. After the run it shows if the predictions were
+    right.
 
     A scene has multiple-choice lessons, or its own question with a typed answer. The panels show the questions next to
-    the beads. Dialogs replace them in panels without enough space.
+    the beads. If a panel has too little space, a dialog shows the question instead.
 
     Arguments:
-        card: receives the verdict.
-        alone: the scene with one row from which a comparison was made, or None. Its lessons are about the first row.
+        card: receives the text with the result.
+        alone: the scene with a single lane from which a comparison was made, or None. Its lessons are about the first
+            lane.
         beside: returns True if the visible panel shows the choices.
 
     Attributes:
@@ -123,7 +131,7 @@ class LessonRunner:
         self.begin()
 
     def begin(self) -> None:
-        """Find the questions about the scene again, because its text may have changed."""
+        """Find the questions about the scene again, because an edit of its text may have changed them."""
         scene = self.alone or self.session.scene
         self.own = [lesson for lesson in lessons() if load(lesson.scene) == scene]
         self.answered = self._asked = False
@@ -137,17 +145,17 @@ class LessonRunner:
 
     @property
     def lesson(self) -> Lesson | None:
-        """The lesson to be answered next, or None."""
+        """The next lesson to answer, or None."""
         return self.own[len(self.predictions)] if len(self.predictions) < len(self.own) else None
 
     @property
     def _waits(self) -> bool:
-        """True if the scene has not been played yet. The questions about an edited scene are only shown on request."""
+        """True if the scene has not been played yet. Questions about an edited scene are shown only on request."""
         return not self.answered and (self._asked or not self.session.edited) and self.typed is None
 
     @property
     def question(self) -> str:
-        """The question to answer before the scene is played; empty without a question or after a run."""
+        """The question to answer before the scene is played. It is empty if there is no question, or after a run."""
         if not self._waits:
             return ""
         if not self.own:
@@ -159,7 +167,7 @@ class LessonRunner:
 
     @property
     def choices(self) -> Choices:
-        """The buttons below the question."""
+        """The buttons with the possible answers, below the question."""
         if not self.question:
             return {}
         if self.lesson is None:
@@ -200,7 +208,7 @@ class LessonRunner:
         self._play()
 
     def _predict(self, choice: int) -> None:
-        """Take the choice for the present lesson. After the last lesson, play the scene."""
+        """Store the choice for the present lesson. After the last lesson, play the scene."""
         if not self.predictions:
             self._forget()
         self.predictions = [*self.predictions, choice]
@@ -217,11 +225,11 @@ class LessonRunner:
 
     @property
     def _edited(self) -> bool:
-        """True if the scene differs from the catalogue or a bead was pulled while it ran."""
+        """True if the scene differs from the scene of the catalogue, or if a bead was pulled while it ran."""
         return self.session.edited or any(step.number > self._edits for step in self.session.undo_stack.done)
 
     def update(self) -> None:
-        """Give the verdict at the end of the motion."""
+        """Show the result of the predictions at the end of the motion."""
         if not self.clock.end.reached:
             return
         self.answered = True
@@ -229,16 +237,17 @@ class LessonRunner:
         if not verdict:
             return
         self._forget()
-        if self.session.playing:  # The motion continues, and the card would be hidden.
+        if self.session.playing:  # The motion continues, so a card would be hidden at once.
             text = f"{verdict}\n{outcome_text(self.session)}"
             self.host.choose(_("What happened"), text, {_("Close"): lambda: None})
         else:
             self.card.show_outcome(verdict)
 
     def _verdict(self) -> str:
-        """Return a sentence for each prediction; empty without a prediction. Note the explanations of the answers.
+        """Return a sentence for each prediction, or an empty text without a prediction. Store the explanations of the
+        answers.
 
-        The texts do not apply to an edited scene, so its verdict only repeats the prediction.
+        For an edited scene, the sentences only repeat the predictions, because the explanations do not apply to it.
         """
         if self.typed is not None:
             words = self.typed if self.typed.endswith((".", "!", "?")) else f"{self.typed}."

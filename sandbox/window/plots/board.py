@@ -1,4 +1,4 @@
-"""The plot board: all visible plots, updated with the history, and the readout of values under the pointer."""
+"""The plot board. It contains all visible plots, which follow the history, and shows the values under the pointer."""
 
 from __future__ import annotations
 
@@ -27,12 +27,15 @@ MOST_CURVES = 10
 
 
 def paint_readout(surface: pygame.Surface, plot: Plot, point: tuple[int, int], time: float, values: Array) -> None:
-    """Draw a box next to `point` with `time` [s] and the `values` (k,) of `plot` at that time, in the unit of its axis."""
+    """Draw a box next to `point` with the values of a plot at one time.
+
+    The box contains `time` [s] and `values` (k,) in the unit of the axis.
+    """
     unit, chosen = plot.unit, _chosen(plot, point, values)
     size, name = plot.span.unit()
     head = f"t = {fixed(time / size, 3)} {name}"
     shown = values / plot.axis.size
-    # The velocity of a bead at rest is a sum of increments and can be 1e-16 m/s; such values are shown as 0.
+    # Show tiny values as 0. The velocity of a bead at rest is a sum of increments and can be 1e-16 m/s.
     if not plot.axis.logarithmic:
         shown = np.where(abs(values) > ROUND_OFF * max(abs(plot.axis.low), abs(plot.axis.high)), shown, 0.0)
     lines = [f"{plot.content.names[k]} = {scientific(float(shown[k]), 2)}" for k in chosen]
@@ -52,7 +55,7 @@ def paint_readout(surface: pygame.Surface, plot: Plot, point: tuple[int, int], t
 
 
 def _chosen(plot: Plot, point: tuple[int, int], values: Array) -> list[int]:
-    """Return the indices of the curves in the readout. If there are many curves, these are the ones nearest to the
+    """Return the indices of the curves whose values are shown. If there are many curves, choose those nearest to the
     pointer.
     """
     count = min(len(values), len(plot.content.names), len(plot.content.colours))
@@ -72,29 +75,32 @@ Key = tuple[str, int]  # Kind and lane of a plot.
 
 
 def _balanced(names: list[Key], most: int) -> list[list[Key]]:
-    """Distribute `names` over as few rows as possible, with at most `most` in each and about equal lengths."""
+    """Distribute `names` over as few rows as possible. A row has at most `most` names, and all rows have similar
+    lengths.
+    """
     count = -(-len(names) // most)
     ends = [round(k * len(names) / count) for k in range(count + 1)]
     return [names[begin:end] for begin, end in pairwise(ends)]
 
 
 def copied(part: HistorySlice) -> HistorySlice:
-    """Return a slice with its own arrays. The history reuses its memory."""
+    """Return a copy of a slice with its own arrays. A copy is needed because the history reuses its memory."""
     values = {one.name: getattr(part, one.name) for one in fields(part)}
     copies: dict[str, Any] = {name: value.copy() for name, value in values.items() if isinstance(value, np.ndarray)}
     return replace(part, **copies)
 
 
 class PlotBoard:
-    """The plots of a session. `clock` [s] limits the time for drawing missing columns in each frame.
+    """The plots of a session. In each frame, `clock` [s] limits the time for drawing missing columns.
 
     Attributes:
-        chosen: names of the kinds that the user wants, in the order of the table, even if this session cannot show
-            them.
+        chosen: names of the kinds of plots that the user wants, in the order of the table. This session may not be able
+            to
+            show all of them.
         single: name of the only visible kind in Explore; empty in the Lab.
         hidden: True while all plots are hidden.
         logarithmic: True if overlaps have a logarithmic axis.
-        whole: True if the time axis spans the complete history, if that is longer than the usual span.
+        whole: True if the time axis spans the complete history, if the history is longer than the usual span.
         pair: the two signals that the user chose for the x-y plot.
         plots: the plots on the page.
         keys: kind and lane of each plot.
@@ -118,32 +124,32 @@ class PlotBoard:
         self._branch = Derived(lambda: session.history.branch, self._invalidate_branch)
 
     def available(self) -> list[str]:
-        """Return the names of the kinds that this session can show."""
+        """Return the names of the kinds of plots that this session can show."""
         counts = [lane.chain.contacts for lane in self.session.lanes]
         comparable = len(counts) == 2 and counts[0] == counts[1]
         return [name for name, kind in PLOT_KINDS.items() if comparable or not kind.two_lanes]
 
     @property
     def shown(self) -> list[str]:
-        """Names of the kinds that the user wants and that this session can show."""
+        """Names of the kinds of plots that the user wants and that this session can show."""
         return [name for name in self.available() if name in self.chosen]
 
     @property
     def present(self) -> list[str]:
-        """Names of the kinds on screen."""
+        """Names of the kinds of plots on screen."""
         return [] if self.hidden else [self.single] if self.single else self.shown
 
     def rows(self, width: float) -> list[list[Key]]:
-        """Return the plots of each row. A plot takes at least LEAST_WIDTH of the `width` [design pixels].
+        """Return the plots in each row. A plot needs at least LEAST_WIDTH of the `width` [design pixels].
 
-        Two lanes have separate rows, which end with the difference of the lanes. If each has a single plot, they are
-        side by side.
+        Two lanes have separate rows, and each row ends with the difference of the lanes. If each lane has a single
+        plot, both plots are side by side.
         """
         most = max(1, int(width / LEAST_WIDTH))
         return [row for keys in self._wanted() for row in _balanced(keys, most)]
 
     def _wanted(self) -> list[list[Key]]:
-        """Return the plots of each lane. Many plots of a single lane are divided into two halves."""
+        """Return the plots of each lane. If a single lane has many plots, they are divided into two halves."""
         lanes = range(len(self.session.lanes))
         if self.single and not self.hidden:
             return [[(self.single, lane) for lane in lanes]]
@@ -155,7 +161,7 @@ class PlotBoard:
         return [row for row in wanted if row]
 
     def keep_ghost(self) -> None:
-        """Keep the motion up to now as the previous run, if a contact has carried a force in it."""
+        """Store the present motion as the previous run, if a contact has carried a force in it."""
         history = self.session.history
         found = [
             [copied(part) for part in history_slices(history, lane, history.first, history.last, GHOST_POINTS)]
@@ -182,8 +188,9 @@ class PlotBoard:
     def build(
         self, rows: Sequence[Sequence[Key]], rects: Sequence[Sequence[pygame.Rect]], unit: float, scales: Scales
     ) -> None:
-        """Create the plots again. Until the curves are redrawn, within some frames, the old curves appear stretched to
-        the new scales.
+        """Create the plots again.
+
+        Redrawing the curves takes some frames. Until then, the old curves are stretched to the new scales.
         """
         before, span = dict(zip(self.keys, self.plots, strict=True)), replace(self.span)
         self.plots = [
@@ -254,7 +261,7 @@ class PlotBoard:
                 plot.update(False, COLUMNS_AT_ONCE)
 
     def _invalidate_branch(self) -> None:
-        """Redraw curves after the current frame. The history was cut or replaced, so they belong to another branch."""
+        """Redraw the curves after the current frame, because the history was cut or replaced."""
         history = self.session.history
         if history.first == history.last:
             self._invalidate()
@@ -277,7 +284,7 @@ class PlotBoard:
         return next((plot for plot in self.plots if plot.area.collidepoint(point)), None)
 
     def paint_reading(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw a line through all plots at the time of the pointer, and a readout for the plot under the pointer."""
+        """Draw a line through all plots at the time under the pointer. Show the values of the plot under the pointer."""
         plot = self.plot_at(point)
         if plot is None or not plot.timed:
             return

@@ -1,4 +1,4 @@
-"""Live plots: fixed axes, curves on a surface that scrolls with time, and a cursor with the values."""
+"""Live plots with fixed axes, curves on a surface that scrolls with time, and a cursor with the current values."""
 
 from __future__ import annotations
 
@@ -21,15 +21,17 @@ from softcradle.sandbox.session.history_slices import history_slices, slice_at
 from softcradle.sandbox.story.numbers import fixed, ticks, time_unit, with_prefix
 from softcradle.sandbox.window.page import Derived
 
-REDRAWN = 4  # Columns at the newest end that are drawn again, because the curve continues there.
+# Number of columns at the right end of the curves that are drawn again in every update. The curves continue there.
+REDRAWN = 4
 
 
 class ScrollingSurface:
     """The surface with the curves of one plot. Each pixel column is one interval of time.
 
     Arguments:
-        background: appearance without curves; all its columns are equal.
-        draw: `draw(first, last)` returns a surface with columns `first` to `last` (not included).
+        background: picture without curves; all its columns are equal.
+        draw: function; `draw(first, last)` returns a surface with the columns from `first` up to but not including
+            `last`.
 
     Attributes:
         surface: the drawn surface.
@@ -50,13 +52,13 @@ class ScrollingSurface:
         return self.surface.get_width()
 
     def invalidate(self) -> None:
-        """Draw all columns again, on an empty surface."""
+        """Clear the surface, so that all columns are drawn again."""
         self.low = self.high = 0
         self.stale = False
 
     def replace(self, picture: pygame.Surface, left: int) -> None:
-        """Show `picture`, whose left edge is column `left`, until the columns are redrawn. Without it the curves would
-        vanish meanwhile.
+        """Show `picture` until the columns are redrawn, so that the curves do not vanish. Its left edge is column
+        `left`.
         """
         self.surface.blit(picture, (0, 0))
         self.left, self.low, self.high, self.stale = left, 0, 0, True
@@ -76,8 +78,8 @@ class ScrollingSurface:
             self.low, self.high = max(self.low, left), min(self.high, left + self.width)
 
     def update(self, first: float, last: float, grown: bool, budget: int) -> int:
-        """Draw up to about `budget` missing columns between `first` and `last`, the range of the history. Return their
-        number.
+        """Draw up to about `budget` missing columns, and return their number. The history covers columns `first` to
+        `last`.
 
         `grown` is True if the newest column has changed since the last call.
         """
@@ -146,7 +148,7 @@ class TimeSpan:
         return self.seconds / self.width
 
     def follow(self, time: float) -> None:
-        """Scroll by whole columns until `time` is visible. The start of the scene stays visible as long as possible."""
+        """Scroll by whole columns until `time` is visible. The start of the scene remains visible as long as possible."""
         place = time / self.column - self.left
         if place > LATEST * self.width:
             self.left += round(place - LATEST * self.width)
@@ -166,20 +168,20 @@ class TimeSpan:
         return time_unit(self.seconds)
 
     def clock(self, time: float) -> str:
-        """Return `time` [s] as the clock displays it: in the unit of the axis, with digits for a thousandth of the
+        """Return `time` [s] as the text of the clock. It has the unit of the axis and resolves a thousandth of the
         axis.
         """
         size, name = self.unit()
         return f"{fixed(time / size, max(0, 3 - math.floor(math.log10(self.seconds / size))))} {name}"
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Return (time [s], label) of the visible round times."""
+        """Return (time [s], label) of each labelled time on the visible axis. The times are round numbers."""
         size = self.unit()[0]
         low, high = self.left * self.column / size, (self.left + self.width) * self.column / size
         return [(value * size, text) for value, text in ticks(low, high, 5)]
 
 
-RIGHT = 30.0  # Design pixels to the right of the axes.
+RIGHT = 30.0  # Width in design pixels to the right of the axes.
 MARGINS = 44.0, RIGHT, 22.0, 22.0  # Margins around the axes in design pixels.
 THICKNESS = 2.0  # Thickness of a curve in design pixels.
 POINTS_A_COLUMN = 3  # Largest number of history frames per pixel column; more frames are thinned out.
@@ -187,9 +189,10 @@ SMOOTH_TURN = 0.97  # Cosine of the largest turn of a curve that is drawn withou
 MOST_MARKED = 10  # Largest number of curves that get a marker at the cursor.
 # Largest stretched size of old curves relative to the plot. Beyond it the curves are redrawn at once.
 MOST_STRETCHED = 6
-GHOST = 0.5  # Share of its colour in a curve of the previous run. The background has the rest.
-MOST_BEYOND = 2000  # Largest distance of a point of these curves from the plot [pixels], beyond which it is left out.
-VEIL_OPACITY = 150  # Opacity of the veil over the part after the cursor, from 0 to 255.
+GHOST = 0.5  # Fraction of its own colour in a curve of the previous run. The rest is the colour of the background.
+# Points of a previous run are left out if their distance from the plot is larger than this number of pixels.
+MOST_BEYOND = 2000
+VEIL_OPACITY = 150  # Opacity of the veil over the part of a plot to the right of the cursor, from 0 to 255.
 
 
 @dataclass(frozen=True)
@@ -219,7 +222,7 @@ class PlotContent:
 
 
 class Plot(Axes):
-    """A plot of curves. The drawn curves depend only on the history; `paint` adds the cursor.
+    """A plot of curves. The drawn curves depend only on the history. The method `paint` adds the cursor.
 
     Arguments:
         rect: rectangle of the whole plot [pixels].
@@ -231,7 +234,7 @@ class Plot(Axes):
 
     marked = True  # True if curves have markers at the cursor.
     timed = True  # True if the horizontal axis is the common time axis.
-    at_values = True  # True if each curve is drawn at its values, so that measured values can be drawn over it.
+    at_values = True  # True if each curve is drawn at its own values, so that measured values can be drawn over it.
 
     def __init__(
         self, rect: pygame.Rect, unit: float, content: PlotContent, history: History, lane: int, span: TimeSpan
@@ -251,7 +254,10 @@ class Plot(Axes):
         return background
 
     def frames(self, first: int, last: int) -> tuple[int, int, int]:
-        """Return the first and last frame of columns `first` to `last`, with a margin, and the number of frames to use."""
+        """Return the first and the last frame for drawing columns `first` to `last`, and the number of frames to use.
+
+        The range includes a margin on both sides.
+        """
         margin = THICKNESS * self.unit + 1
         low = self.history.frame_at((first - margin) * self.span.column) - 1
         high = self.history.frame_at((last + margin) * self.span.column) + 1
@@ -262,8 +268,9 @@ class Plot(Axes):
         return self.samples_of_frames(*self.frames(first, last))
 
     def samples_of_frames(self, first: int, last: int, most: int = 0) -> list[tuple[Array, Array]]:
-        """Return times (T,) and values (T, k) of frames `first` to `last`. If `most` > 0, thin them out, see
-        `history_slices`.
+        """Return times (T,) and values (T, k) of frames `first` to `last`, as one pair for every slice of the history.
+
+        If `most` > 0, use fewer frames; see `history_slices`.
         """
         slices = history_slices(self.history, self.lane, first, last, most)
         return [(part.time, self.content.values(part)) for part in slices]
@@ -274,8 +281,9 @@ class Plot(Axes):
         return values
 
     def enlarged_background(self, first: int, last: int) -> pygame.Surface:
-        """Return the background of columns `first` to `last`, enlarged SUBPIXELS times. Curves drawn on it are then
-        averaged down.
+        """Return the background of columns `first` to `last`, enlarged by the factor SUBPIXELS.
+
+        Curves are drawn on the enlarged background, which is then scaled down to smooth them.
         """
         size = (last - first) * SUBPIXELS, self.area.height * SUBPIXELS
         return pygame.transform.scale(self.curves.background.subsurface((0, 0, 1, self.area.height)), size)
@@ -291,10 +299,10 @@ class Plot(Axes):
         return pygame.transform.smoothscale(fine, (last - first, self.area.height))
 
     def take_over(self, before: Plot, span: TimeSpan) -> None:
-        """Show the curves of the previous plot `before`, whose time axis was `span`, until this plot is drawn.
+        """Show the curves of the previous plot `before` until this plot is drawn. Its time axis was `span`.
 
-        They are stretched to the new axes. If the axes are of another kind or differ too much, the plot stays empty
-        until then.
+        The old curves are stretched to the new axes. The plot stays empty if the axes are of another kind or differ too
+        much.
         """
         old, new = before.axis, self.axis
         known = before.curves.stale or before.curves.high > before.curves.low
@@ -314,7 +322,7 @@ class Plot(Axes):
         self.curves.replace(picture, self.span.left)
 
     def update(self, grown: bool, budget: int) -> int:
-        """Draw the parts of the history that the surface lacks; see `ScrollingSurface.update`."""
+        """Draw parts of the history that are still missing; see `ScrollingSurface.update`."""
         column = self.span.column
         self.curves.scroll(self.span.left)
         return self.curves.update(self.history.first_time / column, self.history.last_time / column, grown, budget)
@@ -330,14 +338,17 @@ class Plot(Axes):
         title = with_prefix(title, self.axis.prefix)
         size, room = TEXT * self.unit, self.title_room()
         if width(title + mark + lane, size) > room:
-            # Drop the explanation after the colon, but keep the name of the lane, with at least a third of the width.
+            # Drop the explanation after the colon, but keep the name of the lane. The title gets at least a third of
+            # the width.
             title = title.split(": ")[0]
             title = shortened(title, size, room - min(width(mark + lane, size), room / 3))
         self.write_title(surface, title + mark + lane)
         self.write_down(surface)
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
-        """Draw the curves, the times below them, and the cursor at `time` with markers at the `values` (k,)."""
+        """Draw the curves, the labels of the time axis, and the cursor at `time`. Markers show the `values` (k,) at the
+        cursor.
+        """
         area = self.area
         surface.blit(self.curves.surface, area)
         place = area.left + self.span.x(time)
@@ -351,7 +362,7 @@ class Plot(Axes):
             self._markers(surface, place, values)
 
     def paint_ghost(self, surface: pygame.Surface, parts: Sequence[Motion]) -> None:
-        """Draw the curves of a previous run faintly over this plot, if its axes suit them."""
+        """Draw the curves of a previous run faintly over this plot, if the axes of both agree."""
         if not (self.timed and self.at_values):
             return
         self._ghost_of = parts
@@ -376,12 +387,14 @@ class Plot(Axes):
                 pygame.draw.aalines(self._ghost, mix(tones.background, colour, GHOST), False, seen)
 
     def _paint_veil(self, surface: pygame.Surface, x: int) -> None:
-        """Fade the curves after the cursor, because a new branch will replace them."""
+        """Fade the curves to the right of the cursor. A new branch of the history will replace them."""
         if self.curves.left + x - self.area.left + 2 < self.curves.high:
             surface.blit(veil(self.area.size), (x, self.area.top), (0, 0, self.area.right - x, self.area.height))
 
     def _markers(self, surface: pygame.Surface, x: float, values: Array) -> None:
-        """Draw a marker on each curve at the cursor, with the name of the curve. Names of close curves are moved apart."""
+        """Draw a marker with the name of the curve where each curve meets the cursor. Names of close curves are moved
+        apart.
+        """
         colours = self.content.colours
         heights = np.nan_to_num(self.y(self.axis.on(values[: len(colours)]))).tolist()
         self.mark(surface, x, heights, colours)
@@ -389,8 +402,8 @@ class Plot(Axes):
 
 
 def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, down: Array, thickness: float) -> None:
-    """Draw curves through the points (T,) `across` and (T, k) `down`, the first curve on top, with round joints at
-    sharp turns.
+    """Draw curves through the points `across` (T,), `down` (T, k). The first curve is on top. Sharp turns get round
+    joints.
     """
     turns = _turns(across, down)
     xs, line_width = across.tolist(), max(1, round(thickness))
@@ -403,7 +416,10 @@ def draw_curves(fine: pygame.Surface, colours: Sequence[Colour], across: Array, 
 
 
 def _turns(across: Array, down: Array) -> NDArray[np.bool_]:
-    """Return (T, k) flags of the points at which a curve turns by more than SMOOTH_TURN, and of its last point."""
+    """Return (T, k) flags of the points at which a curve needs a round joint.
+
+    These are the points at which the curve turns by more than SMOOTH_TURN, and its last point.
+    """
     sharp = np.ones(down.shape, dtype=bool)
     if len(across) > 2:
         dx, dy = np.diff(across)[:, None], np.diff(down, axis=0)

@@ -1,4 +1,4 @@
-"""Overlays on live plots: measured numbers as rings, and a picture of a measured kymograph."""
+"""Overlays on live plots. Measured numbers are drawn as rings, and a measured kymograph is drawn as a picture."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from softcradle.sandbox.window.plots.kinds import FORCES, KYMOGRAPH, VELOCITIES
 
 TABLES = (".csv", ".tsv", ".txt")
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp")
-# Measured quantity that each kind of plot shows. A table with several quantities is drawn over the first of these
+# Measured quantity that belongs to each kind of plot. A table with several quantities is drawn over the first of these
 # plots.
 MEASURED_KINDS = {VELOCITIES: VELOCITY, KYMOGRAPH: POSITION, FORCES: FORCE}
 RING = 3.6  # Radius of a ring in design pixels.
@@ -28,7 +28,7 @@ PICTURE_OPACITY = 150  # Opacity of the picture, from 0 to 255.
 
 @dataclass(frozen=True, eq=False)
 class NumbersOverlay:
-    """Measured numbers: times (T,) [s] and values (T, k) in SI units; column k belongs to curve k."""
+    """Measured numbers: times (T,) [s] and values (T, k) in SI units. Column k belongs to curve k."""
 
     time: Array
     values: Array
@@ -39,7 +39,7 @@ class NumbersOverlay:
         return cls(table.time, np.column_stack([column.values for column in table.along_row(quantity)]))
 
     def paint(self, surface: pygame.Surface, plot: Plot) -> None:
-        """Draw a ring for each number within the axes."""
+        """Draw a ring for each measured number that lies within the axes."""
         area, unit = plot.area, plot.unit
         surface.set_clip(area)
         across = np.array([plot.span.x(time) for time in self.time.tolist()]) + area.left
@@ -53,12 +53,10 @@ class NumbersOverlay:
         surface.set_clip(None)
 
     def differences(self, plot: Plot) -> Array:
-        """Return the (m,) differences, measured minus computed, at all measured times that the history of the plot
-        covers.
-        """
+        """Return the (m,) differences, measured minus computed value, at all measured times that the history covers."""
         samples = plot.samples_of_frames(plot.history.first, plot.history.last)
         found: list[Array] = []
-        # The number of beads may change during the history, so compare parts with equal numbers of columns.
+        # Compare parts with equal numbers of columns, because the number of beads may change during the history.
         for _count, parts in groupby(samples, key=lambda part: part[1].shape[1]):
             time, values = map(np.concatenate, zip(*parts, strict=True))
             inside = (self.time >= time[0]) & (self.time <= time[-1])
@@ -71,7 +69,7 @@ class NumbersOverlay:
 
 @dataclass(frozen=True, eq=False)
 class PictureOverlay:
-    """A picture of a kymograph. Its left and right edges are at known times [s], its top and bottom edges at known
+    """A picture of a measured kymograph. Its left and right edges are times [s]. Its top and bottom edges are
     positions.
     """
 
@@ -103,7 +101,7 @@ class PictureOverlay:
 
 
 def _place(plot: Plot, value: float) -> float:
-    """Return the vertical pixel of a value, even if it is far outside the axis."""
+    """Return the vertical pixel of `value`, even if the value is far outside the axis."""
     share = (value - plot.axis.low) / (plot.axis.high - plot.axis.low)
     return (plot.area.height - 1) * (1.0 - share)
 
@@ -119,7 +117,7 @@ def load_picture(path: Path) -> pygame.Surface:
 
 
 def edges_of(text: str) -> tuple[float, float, float, float]:
-    """Return the four typed numbers: times at the left and right edge, positions at the top and bottom edge.
+    """Return the four numbers in `text`: times at the left and right edge, and positions at the top and bottom edge.
 
     Raise ValueError if the text does not contain four suitable numbers.
     """

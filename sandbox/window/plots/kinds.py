@@ -1,4 +1,4 @@
-"""The table of live plots with their contents, and the signals that the user can choose for the x-y plot."""
+"""The table of live plots and their contents. It also defines the signals that the user can choose for the x-y plot."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ CONTACTS_NUMBERED = N_("{text!r}: the contacts of this lane are numbered 0 to {l
 
 @dataclass(frozen=True)
 class Signal:
-    """A quantity over time: a letter in QUANTITIES, and the index of the bead or contact, counted from the left."""
+    """A quantity as a function of time. It is given by a letter in QUANTITIES and by the index of a bead or contact.
+
+    The index counts from the left.
+    """
 
     letter: str
     index: int = 0
@@ -64,8 +67,9 @@ class Signal:
 
 
 def signal_of(text: str, beads: int) -> Signal:
-    """Return the signal written as v0, f1 or t, for a lane with `beads` beads. Raise ValueError, with a sentence, if it
-    is unknown.
+    """Return the signal that `text` names, such as v0, f1 or t, for a lane with `beads` beads.
+
+    Raise ValueError with a sentence if the signal is unknown.
     """
     found = re.fullmatch(r"([a-z])_?(\d*)(?:-(\d+))?", text.strip().lower())
     if found is None or found[1] not in QUANTITIES or (found[3] and not _is_contact(*found.groups())):
@@ -84,14 +88,14 @@ def signal_of(text: str, beads: int) -> Signal:
 
 
 def _is_contact(letter: str, left: str, right: str) -> bool:
-    """Return True if the signal belongs to a contact and the two numbers are those of neighbouring beads."""
+    """Return True if the signal belongs to a contact, and the two numbers are those of neighbouring beads."""
     return QUANTITIES[letter].owner == CONTACT and left != "" and int(right) == int(left) + 1
 
 
 def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
-    """Return the two signals of a text such as "f0 against d0": the vertical and the horizontal one.
+    """Return the two signals of a text such as "f0 against d0". The vertical signal comes first.
 
-    Raise ValueError, with a sentence for the user, if the text does not contain two signals.
+    Raise ValueError with a sentence for the user if the text does not contain two signals.
     """
     between = _("{vertical} against {horizontal}", vertical="", horizontal="").strip()
     parts = re.split(rf"\s+(?:against|{re.escape(between)})\s+|\s*,\s*|\s+", text.strip())
@@ -101,11 +105,11 @@ def pair_of(text: str, beads: int) -> tuple[Signal, Signal]:
 
 
 BEAD_HEIGHT = 0.8  # Height of the band of a bead in a kymograph, as a fraction of the length of the bead.
-# Signals before the user chooses some: force over overlap of the first contact, which shows its hysteresis loop.
+# Default signals of the x-y plot. The force over the overlap of the first contact shows its hysteresis loop.
 PAIR = Signal("f"), Signal("d")
 # Functions that return the (T, k) values of a Motion.
 _velocity, _force, _overlap = map(attrgetter, ("velocity", "force", "overlap"))
-MOST_ROW_LABELS = 5  # Largest number of labels of a space-time strip.
+MOST_ROW_LABELS = 5  # Largest number of labels of a space-time plot.
 
 
 @dataclass(frozen=True)
@@ -147,14 +151,14 @@ class PlotKind:
     """A kind of plot.
 
     Attributes:
-        name: text on its button, translated in the context "button"; also the name of the action that shows or hides
-            it.
+        name: text on the button of the plot, translated in the context "button". It is also the name of the action that
+            shows or hides the plot.
         key: pygame's code of the key for this action.
-        help: its line in the help.
-        content: returns title, axis and curves.
+        help: text of this action in the help.
+        content: function that returns title, axis and curves.
         plot: class that draws the plot.
-        shown: True if a new page shows it.
-        two_lanes: True if it compares two lanes, which then must have equal numbers of beads.
+        shown: True if a new page shows the plot.
+        two_lanes: True if the plot compares two lanes, which must have equal numbers of beads.
     """
 
     name: str
@@ -203,9 +207,10 @@ def _bead_markers(setting: PlotSetting) -> PlotContent:
 
 
 def _difference(setting: PlotSetting) -> PlotContent:
-    """Return the content of a difference plot: velocities next to the first lane, forces next to the second.
+    """Return the content of a difference plot. It shows velocities next to the first lane and forces next to the
+    second.
 
-    The axes span the largest difference of two values that fit their own axes.
+    The axes are limited by the largest difference of two values that fit on the axes of the lanes.
     """
     if setting.lane == 0:
         half = setting.scales.velocity[1] - setting.scales.velocity[0]
@@ -225,7 +230,7 @@ def _chosen(setting: PlotSetting) -> PlotContent:
 
     title = _("{vertical} against {horizontal}", vertical=vertical.label, horizontal=horizontal.label)
     names = vertical.label, horizontal.label
-    # A curve has the colour of its bead, or of the bead on the right of its contact.
+    # A curve has the colour of its bead. A contact has the colour of the bead on its right.
     place = vertical.index + (vertical.quantity.owner == CONTACT)
     colour = tones.accent if vertical.quantity.owner == CHAIN else setting.colours[min(place, len(setting.colours) - 1)]
     return PlotContent(title, linear_axis("", 0.0, 1.0), names, (colour, colour), both)
@@ -236,12 +241,12 @@ def _energy_layers(motion: Motion) -> Array:
 
 
 def _row_axis(names: Sequence[str]) -> VerticalAxis:
-    """Return an axis with a row for each contact, the first on top; only some rows have labels."""
+    """Return an axis with a strip for each contact, the first contact on top. Only some strips have labels."""
     step = max(1, (len(names) + MOST_ROW_LABELS - 1) // MOST_ROW_LABELS)
     return VerticalAxis("", float(len(names)), 0.0, tuple((k + 0.5, names[k]) for k in range(0, len(names), step)))
 
 
-# Names of kinds that other modules need.
+# Names of plots that other modules use.
 VELOCITIES, FORCES, KYMOGRAPH = NP_("button", "velocities"), NP_("button", "forces"), NP_("button", "kymograph")
 OWN = "x-y"
 

@@ -1,5 +1,6 @@
-"""Scales of a running scene: taken from a run ahead of time, or estimated before it is available, and adapted to edits
-and history.
+"""Scales of a running scene. They are taken from a run ahead of time, or estimated until this run is available.
+
+Edits and new frames of the history change the scales.
 """
 
 from __future__ import annotations
@@ -22,19 +23,20 @@ from softcradle.sandbox.story.numbers import round_step
 from softcradle.sandbox.window.page import Host
 from softcradle.scenes import Scene
 
-ROWS = 240  # Smallest number of samples of a motion.
-ROWS_PER_SECOND = 60.0  # Smallest number of samples per second of displayed motion.
-# Families of methods whose steps can take a thousand times as long, because they run in Python.
+ROWS = 240  # Smallest number of samples in the motion of a run ahead of time.
+ROWS_PER_SECOND = 60.0  # Smallest number of samples per second of the displayed motion.
+# Families of methods that run in Python. Their steps can take a thousand times as long.
 IN_PYTHON = (Family.PYMUNK, Family.REFERENCE)
-# Largest number of steps times contacts of a lane, about 0.2 s, for a run that the window waits for.
+# Limit of the number of steps times contacts of a lane, for a run that the window waits for. It takes about 0.2 s.
 MOST_AT_ONCE = 1_000_000
-# The same limit for a run in the background thread, some seconds. Better scales are not worth more time.
+# Limit of the number of steps times contacts of a lane, for a run in the background thread. It takes some seconds.
+# Better scales are not worth more time.
 MOST_BEHIND = 6_000_000
 
 
 def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
-    """Return the motion of each lane, accurate enough for a picture. Warnings are omitted; the badges show them during
-    play.
+    """Return the motion of each lane, accurate enough for a picture. Warnings are omitted, because the badges show them
+    later.
 
     Most scenes take some milliseconds. Raise GaveUpError if a lane needs more than `most` steps times contacts.
     """
@@ -48,16 +50,16 @@ def motions_ahead(scene: Scene, most: int = MOST_BEHIND) -> list[Motion]:
     return motions
 
 
-GROWTH = 1.25  # New limit of a scale, relative to the value that exceeded the old limit.
-DEEPER = 1.5  # Overlap, relative to the largest so far, beyond which the magnification changes.
-SLACK = 0.02  # Fraction of the energy and momentum scales by which a value may exceed them.
+GROWTH = 1.25  # New limit of a scale after a value has exceeded it, as a multiple of this value.
+DEEPER = 1.5  # Overlap at which the magnification changes, relative to the largest overlap so far.
+SLACK = 0.02  # Fraction by which a value may exceed the scales of energy and momentum.
 FEWEST_DECADES = 4  # Smallest number of decades of an estimated overlap axis.
 
 
 def estimated_scales(scene: Scene, session: Session) -> Scales:
-    """Estimate the scales from the start of the scene, before a simulation is possible.
+    """Estimate the scales from the start of the scene, without a simulation.
 
-    The kinetic energy available to a single contact gives bounds for its force and overlap.
+    The kinetic energy that is available to a single contact gives bounds for its force and overlap.
     """
     scales = scales_of(scene, [lane.motion for lane in session.lanes])
     forces, depths = [], []
@@ -77,7 +79,7 @@ def estimated_scales(scene: Scene, session: Session) -> Scales:
 
 
 class LiveScales:
-    """The scales in use: the scales of the run `ahead`, enlarged so that the history fits."""
+    """The scales in use. They are the scales of the run `ahead`, enlarged so that the history fits."""
 
     ahead: Scales
 
@@ -90,8 +92,9 @@ class LiveScales:
         self.follow_history()
 
     def follow_history(self) -> None:
-        """Start again with the scales of the run ahead and enlarge them for the present frames. Frames may have been
-        removed or restored.
+        """Set the scales to those of the run ahead, and enlarge them for the present frames of the history.
+
+        This is necessary after frames were removed or restored.
         """
         self.scales, history = self.ahead, self.session.history
         self.reset_lanes(self.session.lanes)
@@ -100,7 +103,9 @@ class LiveScales:
             self.fit(motions)
 
     def reset_lanes(self, lanes: Sequence[LiveLane]) -> None:
-        """If the number of beads of a lane has changed, give each of its contacts the largest overlap of the lane."""
+        """If the number of beads of a lane has changed, set the scale of each contact to the largest overlap of the
+        lane.
+        """
         deepest = []
         for lane, depths in zip(lanes, self.scales.deepest, strict=True):
             same = len(depths) == lane.chain.contacts
@@ -108,7 +113,7 @@ class LiveScales:
         self.scales = replace(self.scales, deepest=tuple(deepest))
 
     def fit(self, motions: Sequence[Motion]) -> None:
-        """Enlarge the scales so that the given motion of each lane fits."""
+        """Enlarge the scales if the given motion of a lane does not fit."""
         found, now = reached(motions), self.scales
         (least, most), (low, high) = found.velocity, now.velocity
         (falls, rises), (left, right) = found.momentum, now.momentum
@@ -126,7 +131,7 @@ class LiveScales:
     def _overlaps(self, motions: Sequence[Motion]) -> None:
         pairs = [(m.overlap.max(axis=0), np.array(d)) for m, d in zip(motions, self.scales.deepest, strict=True)]
         if any(len(overlap) != len(depths) for overlap, depths in pairs):
-            return  # These frames have another number of beads.
+            return  # Skip these frames, because their number of beads is different.
         if all((overlap <= DEEPER * depths).all() for overlap, depths in pairs):
             return
         grown: list[Array] = [np.where(overlap > DEEPER * depths, 2.0 * overlap, depths) for overlap, depths in pairs]
@@ -137,13 +142,13 @@ class LiveScales:
 
 
 def _rounded(value: float) -> float:
-    """Return a round value with the sign of `value` and a larger magnitude."""
+    """Return a round number that has the same sign as `value` and a larger magnitude."""
     if value == 0.0:
         return 0.0
     return math.copysign(round_step(GROWTH * abs(value), 4) * 4, value)
 
 
-EDIT_SECONDS = 0.3  # Seconds after an edit until the gesture counts as finished.
+EDIT_SECONDS = 0.3  # Time in seconds after the last edit until the user's gesture counts as finished.
 
 
 class EditFollower:
@@ -151,7 +156,7 @@ class EditFollower:
 
     def __init__(self, host: Host, session: Session, scales: LiveScales) -> None:
         self.host, self.session, self.scales = host, session, scales
-        self._age: float | None = None  # Seconds since an edit that the scales do not include yet.
+        self._age: float | None = None  # Seconds since the last edit; None if no edit waits for new scales.
 
     def notice(self) -> None:
         """Note that the scene was edited."""
@@ -163,7 +168,7 @@ class EditFollower:
         return self._age is not None
 
     def update(self, seconds: float) -> None:
-        """Start a run ahead of time if the last edit is long enough ago."""
+        """Start a run ahead of time if enough time has passed since the last edit."""
         if self._age is None:
             return
         self._age += seconds
@@ -171,14 +176,12 @@ class EditFollower:
             self._age = None
             try:
                 scene = self.session.to_scene()
-            except ValueError:  # A state that cannot be written as a scene file keeps its present scales.
+            except ValueError:  # The state cannot be written as a scene file, so the present scales are kept.
                 return
             self.host.warmup.submit(partial(self._take, scene), partial(motions_ahead, scene))
 
     def _take(self, scene: Scene, motions: object) -> None:
-        """Use the new scales, or estimates if the run failed. After another edit, wait for the scales of that edit
-        instead.
-        """
+        """Use the new scales, or estimates if the run failed. If the scene was edited again, ignore the result."""
         if not self.pending:
             found = scales_of(scene, motions) if isinstance(motions, list) else estimated_scales(scene, self.session)
             self.scales.take(found)

@@ -1,4 +1,4 @@
-"""Special plots: kymographs, stacked energies, space-time strips, differences of lanes, and one signal against another."""
+"""Special plots: kymographs, stacked energies, space-time plots, differences of lanes, and x-y plots of two signals."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ from softcradle.sandbox.window.plots.curves import RIGHT, THICKNESS, Plot, draw_
 
 
 class DifferencePlot(Plot):
-    """The curves of the second lane minus the curves of the first; both lanes must have equal numbers of beads."""
+    """The curves of the second lane minus the curves of the first lane. Both lanes must have equal numbers of beads."""
 
     def samples_of_frames(self, first: int, last: int, most: int = 0) -> list[tuple[Array, Array]]:
-        """See `Plot.samples_of_frames`. The values are (T, 0) if the lanes cannot be compared."""
+        """Return times and differences, as in `Plot.samples_of_frames`. Values are (T, 0) if the lanes cannot be
+        compared.
+        """
         slices = (history_slices(self.history, lane, first, last, most) for lane in (0, 1))
         return [(a.time, self._differences(a, b)) for a, b in zip(*slices, strict=True)]
 
     def values_at(self, frame: int) -> Array:
-        """See `Plot.values_at`."""
+        """Return the differences at a frame, as in `Plot.values_at`."""
         return self._differences(*(slice_at(self.history, lane, frame) for lane in (0, 1)))[0]
 
     def _differences(self, a: Motion, b: Motion) -> Array:
@@ -41,7 +43,7 @@ PALE = 0.45  # Fraction of the background colour in the band of a bead.
 
 
 class KymographPlot(Plot):
-    """A pale band for each bead, with the curve of its centre as a marker."""
+    """A plot of positions. Each bead has a pale band, and a curve marks its centre."""
 
     marked = False
 
@@ -65,7 +67,9 @@ class KymographPlot(Plot):
 
 
 class StackedPlot(Plot):
-    """Stacked energies: the kinetic energy of each bead, and above them the energy stored in the contacts."""
+    """A plot of stacked energies: the kinetic energy of each bead at the bottom, and the energy stored in the contacts
+    on top.
+    """
 
     at_values = False
 
@@ -76,25 +80,26 @@ class StackedPlot(Plot):
         pixels = pygame.surfarray.array3d(self.curves.background)[:1].repeat(last - first, axis=0)
         middles = np.arange(self.area.height) + 0.5
         for time, values in self.samples(first, last):
-            layers = values.shape[1]  # Number of layers of these frames; beads may have been added or removed since.
+            layers = values.shape[1]  # Number of layers in these frames. Beads may have been added or removed later.
             colours = np.array([*_layer_colours(layers), tones.background], dtype=np.uint8)
             tops = self.y(np.cumsum(values, axis=1))
             for column, row in _latest(time / self.span.column, first, last):
-                layer = np.searchsorted(-tops[row], -middles)  # The first layer that reaches as high as the pixel.
+                # For each pixel, the first layer that is high enough to cover it.
+                layer = np.searchsorted(-tops[row], -middles)
                 inside = layer < layers
                 pixels[column - first, inside] = colours[layer[inside]]
         return pygame.surfarray.make_surface(pixels)
 
 
 def _layer_colours(count: int) -> tuple[Colour, ...]:
-    """Return the colours of the layers from bottom to top: the beads, then the contacts."""
+    """Return the colours of the layers from bottom to top: first the beads, then the contacts."""
     return *bead_colours(count - 1), tones.steel
 
 
 def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:
-    """Return (column, row) for columns `first` to `last`, where row is the newest sample at or before the column.
+    """Return (column, row) for columns `first` to `last`. The row is the newest sample at or before the column.
 
-    `places` (T,) are the times of the samples in columns.
+    `places` (T,) are the times of the samples, measured in columns.
     """
     columns = np.arange(first, last)
     rows = np.searchsorted(places, columns + 1) - 1
@@ -103,18 +108,18 @@ def _latest(places: Array, first: int, last: int) -> list[tuple[int, int]]:
 
 
 SHADES = 256
-SCALE = 7.0  # Width of the scale in design pixels.
+SCALE = 7.0  # Width of the scale of shades in design pixels.
 
 
 class StripPlot(Plot):
-    """A horizontal strip of shades for each curve, one below the other."""
+    """A plot of shaded strips, one below the other. Each curve is drawn as one horizontal strip."""
 
     at_values = False
 
     marked = False
 
     def draw_columns(self, first: int, last: int) -> pygame.Surface:
-        """Return a surface with the shades of columns `first` to `last`. A column shows the darkest of its samples."""
+        """Return a surface with the shades of columns `first` to `last`. A column has the shade of its largest sample."""
         image = np.zeros((last - first, self.area.height), dtype=np.uint8)
         for time, values in self.samples(first, last):
             columns = np.floor(time / self.span.column).astype(int) - first
@@ -134,12 +139,12 @@ class StripPlot(Plot):
         column = pygame.surfarray.make_surface(np.broadcast_to(shades[rows], (bar.width, bar.height, 3)))
         surface.blit(column, bar)
         pygame.draw.rect(surface, tones.faint, bar, 1)
-        end = area.right + (RIGHT + 8) * unit  # Left of the edge of the panel.
+        end = area.right + (RIGHT + 8) * unit  # Leave a distance to the left edge of the panel.
         write(surface, self._darkest(), (end, area.top - 4 * unit), 13 * unit, tones.muted, align=(1, 1))
         write(surface, "0", (bar.right + 3 * unit, bar.bottom - 6 * unit), 13 * unit, tones.muted, align=(0, 0.5))
 
     def title_room(self) -> float:
-        """Return the width in pixels for the title; the number above the scale needs the rest."""
+        """Return the width in pixels for the title. The rest of the line is for the number above the scale."""
         return self.area.width + RIGHT * self.unit - width(self._darkest(), 13 * self.unit)
 
     def _darkest(self) -> str:
@@ -148,7 +153,7 @@ class StripPlot(Plot):
 
 
 def _shades() -> Array:
-    """Return (SHADES, 3) colours from 0 to the darkest."""
+    """Return the (SHADES, 3) colours from value 0 to the darkest shade."""
     ramp = tones.shades
     places = np.linspace(0, len(ramp) - 1, SHADES)
     rows = [mix(ramp[int(p)], ramp[min(int(p) + 1, len(ramp) - 1)], float(p) % 1.0) for p in places]
@@ -156,12 +161,15 @@ def _shades() -> Array:
 
 
 MOST_POINTS = 1500  # Largest number of points of the curve; more points are evenly thinned out.
-MARGIN = 0.06  # Margin of the axes beyond the values, as a fraction of their range.
+MARGIN = 0.06  # Margin of the axes beyond the range of the values, as a fraction of this range.
 LATER = 0.25  # Fraction of the curve's colour in the part after the current frame.
 
 
 class PhasePlot(Plot):
-    """The complete history as one curve. The axes adapt to the values. `values` of the content are (T, 2): y, x."""
+    """An x-y plot that shows the complete history as one curve. The axes adapt to the values.
+
+    The `values` of the content are (T, 2): y, x.
+    """
 
     timed = marked = False
 
@@ -194,7 +202,7 @@ class PhasePlot(Plot):
         """Draw nothing, because the axes change with the values."""
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
-        """Draw the axes, the curve (stronger up to the current frame), and a marker at the current frame."""
+        """Draw the axes, the curve, and a marker at the current frame. The curve is stronger up to the current frame."""
         unit, area, points = self.unit, self.area, self.points()
         surface.fill(tones.background, self.rect)
         low, high = (_ends(points[:, column], values[column - 1]) for column in (1, 2))
@@ -228,13 +236,16 @@ class PhasePlot(Plot):
 
 
 def exponent_of(ends: tuple[float, float]) -> int:
-    """Return the exponent of the power of a thousand that the labels of an axis omit; 0 if the labels are short anyway."""
+    """Return the exponent of the common power of ten that the labels of an axis omit. It is a multiple of 3.
+
+    It is 0 if the labels are short anyway.
+    """
     greatest = math.log10(max(map(abs, ends)))
     return 0 if -2.0 < greatest < 4.0 else 3 * math.floor(greatest / 3.0)
 
 
 def scaled_ticks(ends: tuple[float, float]) -> list[tuple[float, str]]:
-    """Return (value, label) of an axis; the labels omit their common power of ten."""
+    """Return (value, label) for each labelled value of an axis. The labels omit their common power of ten."""
     size = 10.0 ** exponent_of(ends)
     return [(value * size, text) for value, text in linear_axis("", ends[0] / size, ends[1] / size).ticks]
 
