@@ -1,4 +1,4 @@
-"""The clock of the page: it plays, pauses, steps and restarts a session or a replay, and detects the end of a motion."""
+"""The clock of the page. It plays, pauses, steps and restarts a session or a replay, and detects the end of a motion."""
 
 from __future__ import annotations
 
@@ -14,22 +14,26 @@ from softcradle.sandbox.window.scene.editor import PREPARING, SceneEditor
 from softcradle.sandbox.window.scene.time_controls import SceneTimeControls, Timeline, late_note
 from softcradle.sandbox.window.scene.view import SceneView
 
-# Width of the gaps at the end of a motion, in lengths of a bead. The motion ends when every lane has such a gap.
+# Width of a gap that is visible at the end of a motion, in lengths of a bead. The motion ends when every lane has such
+# a gap.
 APART = 2.0
-LEAST_FRAMES = FRAME_RATE // 2  # Smallest number of frames shown after the last contact has opened.
-MOST_FRAMES = 5 * FRAME_RATE  # The same number if the beads separate slowly.
+LEAST_FRAMES = FRAME_RATE // 2  # Smallest number of frames that are shown after the last contact has opened.
+# Largest number of frames that are shown after the last contact has opened, if the beads separate slowly.
+MOST_FRAMES = 5 * FRAME_RATE
 
 
-# Factor by which the clock runs faster before the first contact in Explore, so that nobody waits for it.
+# Factor by which the clock runs faster before the first contact in Explore. It shortens the waiting time.
 APPROACHING = 4.0
-# Wall time [s] before the first contact in which the clock already runs as shown.
+# Wall time in seconds before the first contact at which the clock returns to its normal speed.
 NEAR = 0.5
 
 
 class EndOfMotion:
-    """Pauses a session once at the end of its motion and calls `ended`. A replay ends where its recording ends.
+    """Pauses a session once at the end of its motion, and calls the function `ended`. A replay ends where its recording
+    ends.
 
-    A motion without an end continues; it counts as ended at the duration of the scene.
+    A motion with repeated collisions has no end of its own. It counts as ended at the duration of the scene, and
+    continues.
 
     Attributes:
         enabled: True if the session is paused at the end.
@@ -48,7 +52,7 @@ class EndOfMotion:
         self.host.messages.show(on if self.enabled else off)
 
     def update(self, frames: int, replay: Replay | None) -> None:
-        """Update after a tick of `frames` frames in which the clock ran, in a `replay` or a normal session."""
+        """Update after a tick in which the clock advanced by `frames` frames. `replay` is None in a normal session."""
         session, replayed = self.session, replay is not None and replay.done
         if not all(lane.over for lane in session.lanes) or session.held.lane >= 0.0:
             lasted = session.time >= session.setup.lanes[0].duration or replayed
@@ -64,7 +68,7 @@ class EndOfMotion:
 
     @property
     def _apart(self) -> bool:
-        """True if every lane has a gap that is wide enough to be seen."""
+        """True if every lane has a gap that is large enough to be visible."""
         least = -APART * self.session.scene.view.length
         return all(float(lane.state.overlap.min()) <= least for lane in self.session.lanes)
 
@@ -73,10 +77,10 @@ class SceneClock:
     """Advances a session, or a `replay` of a recorded session.
 
     Attributes:
-        end: pauses at the end of the motion.
-        controls: time controls; a changed slow motion is applied when the scene continues.
-        collided: returns True if a contact has carried a force since the start.
-        actions: actions with keys.
+        end: detects the end of the motion and pauses the session.
+        controls: time controls. A changed slow motion is applied when the scene continues.
+        collided: function that returns True if a contact has carried a force since the start.
+        actions: actions that have keys.
     """
 
     controls: SceneTimeControls
@@ -110,11 +114,11 @@ class SceneClock:
 
     @property
     def _running(self) -> Replay | None:
-        """The replay, if it has not ended."""
+        """The replay, or None if it has ended or does not exist."""
         return None if self.replay is None or self.replay.done else self.replay
 
     def may_edit(self) -> bool:
-        """Return True if an edit loses nothing. It would end a running replay, and in the past it would remove the
+        """Return True if an edit loses nothing. An edit ends a running replay, and an edit of an old frame drops the
         later frames.
         """
         return self._running is None and not self.session.scrubbed
@@ -126,7 +130,7 @@ class SceneClock:
         return N_("playing") if self.session.playing else N_("paused")
 
     def note(self) -> tuple[str, bool]:
-        """Return the text below the time, and if it is a warning."""
+        """Return the text below the time. The second value is True if the text is a warning."""
         late = late_note(self.session.pacer)
         if self.session.playing and late[0]:
             return late
@@ -169,12 +173,12 @@ class SceneClock:
             self._show_failure()
 
     def _show_failure(self) -> None:
-        """Show why the session has stopped by itself, if it has."""
+        """Show the reason if the session has stopped by itself."""
         if self.session.failure:
             self.host.messages.show(self.session.failure, warning=True)
 
     def restart(self) -> None:
-        """Return to the start. A session keeps its edits, and keeps playing if it was playing."""
+        """Return to the start. A session keeps its edits, and continues to play if it was playing."""
         playing = self.activity() != "paused"
         self.view.reset_camera()
         self.end.reached = False
@@ -187,14 +191,14 @@ class SceneClock:
             self.session.play()
 
     def play_again(self) -> None:
-        """Play from the start, to which an edit has returned."""
+        """Play from the start after an edit has returned to the start."""
         self.end.reached = False
         if not self.editor.preparing:
             self.controls.apply_slow()
             self.session.play()
 
     def _pace(self) -> float:
-        """Return how many times faster the clock runs in Explore while beads are far from their first contact."""
+        """Return the factor by which the clock runs faster. It is above 1 in Explore, long before the first contact."""
         session = self.session
         if not self.host.explore or not session.playing or session.held.lane >= 0.0 or self.collided():
             return 1.0

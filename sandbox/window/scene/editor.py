@@ -1,4 +1,6 @@
-"""The scene editor: the selected bead or contact, the inputs passed to the session, and the edits that have keys."""
+"""The scene editor. It holds the selected bead or contact, passes inputs to the session, and offers the edits that have
+keys.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ from softcradle.sandbox.window.page import Host
 
 @dataclass(frozen=True)
 class Pick:
-    """A bead or contact: the number of its lane, "bead" or "contact", and its index."""
+    """A selected bead or contact: the number of its lane, its kind ("bead" or "contact"), and its index."""
 
     lane: int
     kind: str
@@ -26,7 +28,9 @@ class Pick:
 
 
 def pick_title(session: Session, pick: Pick) -> str:
-    """Return the title of a bead or contact with its number; if there are two lanes, also the label of its lane."""
+    """Return the title of a bead or contact with its number. If there are two lanes, the title includes the label of
+    the lane.
+    """
     if pick.kind == "bead":
         wall = math.isinf(session.lanes[pick.lane].chain.mass[pick.index])
         body = capital(BODIES[body_word(session.lanes[pick.lane].chain)].words()["one"])
@@ -37,7 +41,7 @@ def pick_title(session: Session, pick: Pick) -> str:
     return f"{title} · {label}" if len(session.lanes) > 1 and label else title
 
 
-AUTO = "auto"  # Entry of the method menu with which the program chooses the method.
+AUTO = "auto"  # Entry of the method menu that lets the program choose the method.
 PREPARING = N_("preparing the physics: takes a few seconds, only once")
 ALL_NOW = {"power": N_("all contacts are power laws now"), "gear": N_("all contacts are draft gears now")}
 
@@ -47,9 +51,10 @@ class SceneEditor:
 
     Attributes:
         selection: the selected bead or contact, or None.
-        refused: number of rejected choices of a method. The menu that showed the rejected method is rebuilt when it
-            changes.
-        preparing: True while kernels are being loaded, so that the session can neither move nor be edited.
+        refused: number of rejected choices of a method. When it changes, the method menu is rebuilt, because it still
+            shows
+            the rejected method.
+        preparing: True while kernels are being loaded. The session can then neither move nor be edited.
         actions: edits that have keys.
     """
 
@@ -73,7 +78,7 @@ class SceneEditor:
 
     @property
     def selection(self) -> Pick | None:
-        """The selected bead or contact. If it was removed, the last one of its kind."""
+        """The selected bead or contact. If it was removed, the last bead or contact of the lane is selected instead."""
         pick = self._selection
         if pick is None:
             return None
@@ -85,13 +90,12 @@ class SceneEditor:
         self._selection = pick
 
     def check_kernels(self) -> None:
-        """Update `preparing`: check if the methods of the session can move its lanes in real time."""
+        """Set `preparing` to False if the methods of the session can compute its lanes in real time, otherwise to True."""
         session = self.session
         self.preparing = not self.host.warmup.can_move(session.lanes, session.setup.frame_time)
 
     def apply(self, item: Input, gesture: bool = False) -> bool:
-        """Apply an input to the session and return if it was accepted. The reason for a rejection is shown as a
-        message.
+        """Apply an input to the session. Return True if it was accepted; otherwise show the reason as a message.
 
         Inputs of one `gesture` form one undo step.
         """
@@ -100,7 +104,7 @@ class SceneEditor:
     def apply_all(self, items: Sequence[Input], gesture: bool = False, anew: bool = False, trial: bool = False) -> bool:
         """Apply all inputs as one undo step, or none of them. Return True if they were accepted.
 
-        With `anew`, restart first; for `trial` see :meth:`Session.apply_all`.
+        If `anew`, restart before the inputs. For `trial` see :meth:`Session.apply_all`.
         """
         if self.preparing:
             self.host.messages.hint(_(PREPARING))
@@ -122,7 +126,7 @@ class SceneEditor:
         return name == AUTO or self.host.warmup.can_move(self.session.lanes, frame_time, name)
 
     def _apply_to_lanes(self, edit: Callable[[int], LaneInput]) -> bool:
-        """Apply an edit to every lane and return if it was accepted."""
+        """Apply an edit to every lane. Return True if it was accepted."""
         return self.apply_all([edit(lane) for lane in range(len(self.session.lanes))])
 
     def _go(self, step: Callable[[], str], done: str, nothing: str) -> None:
@@ -136,7 +140,7 @@ class SceneEditor:
     # ---- edits that have keys
 
     def select_neighbour(self, by: int) -> None:
-        """Select the neighbour of the selection; beads and contacts alternate."""
+        """Select the next (1) or previous (-1) bead or contact. Beads and contacts alternate in this order."""
         pick = self.selection
         if pick is None:
             self.selection = Pick(0, "bead", 0)
@@ -147,8 +151,8 @@ class SceneEditor:
         self.selection = Pick(pick.lane, "contact" if place % 2 else "bead", place // 2)
 
     def add_bead(self) -> None:
-        """Add a bead to the right of the selected bead, as a copy of it. For a selected contact, copy the bead on its
-        left.
+        """Add a copy of the selected bead on its right. For a selected contact, copy the bead on the left of the
+        contact.
         """
         pick = self.selection
         if pick is None:
@@ -175,7 +179,7 @@ class SceneEditor:
             self.apply(Lock(pick.lane, pick.index, not locked))
 
     def lock_all(self) -> None:
-        """Lock the pistons of all contacts, or unlock them."""
+        """Lock the pistons of all contacts, or unlock them if they are locked."""
         lanes = self.session.lanes
         locked = all(law is not None for lane in lanes for law in lane.setup.locked)
         if self._apply_to_lanes(lambda lane: Lock(lane, None, not locked)):

@@ -1,4 +1,4 @@
-"""The panel of Explore with softness, speed and number of beads."""
+"""The panel of Explore. Its controls change the softness of the contacts, the speed, and the number of beads."""
 
 from __future__ import annotations
 
@@ -30,32 +30,36 @@ from softcradle.sandbox.window.widgets import Control, parameter_control, write_
 from softcradle.scenes import Scene
 
 LEAST_ALPHA, MOST_ALPHA = 1 / 40, 1.5
-ENDS = 14.0  # Height in design pixels of the words below the ends of the softness slider.
-MOST_BEADS = 12  # Largest number of beads that the panel offers.
-OF_BEAD = ("mass", "velocity")  # Keys of the numbers that the panel shows for a selected bead.
+ENDS = 14.0  # Height in design pixels of the labels below the ends of the softness slider.
+MOST_BEADS = 12  # Largest number of beads that can be chosen in the panel.
+OF_BEAD = ("mass", "velocity")  # Keys of the parameters that the panel shows for a selected bead.
 COMPARE = 44.0  # Height of the button for the comparison in design pixels.
-# Height in design pixels of the title and two lines of the text. If less space is left, a button shows the text.
+# Smallest height in design pixels for the text: its title and two lines. If less space is left, a button opens the
+# text.
 LEAST_TEXT = 76.0
-SUM = 20.0  # Height of a line with a sum in design pixels.
-# Height of the panel in design pixels from which on the sums are shown. Smaller panels need it for the text.
+SUM = 20.0  # Height in design pixels of a line with the total energy or momentum.
+# Smallest height of a panel in design pixels that shows total energy and momentum. Smaller panels need the space for
+# the text.
 ROOM_FOR_SUMS = 480.0
-SMALLEST_SUM = 1e-9  # Smaller sums [J, N s] are written as 0, because they are rounding errors.
-DOT = 6.0  # Radius of the badge in design pixels.
-# Fraction of the largest velocity below which a velocity counts as 0. The velocity of a bead at rest is a sum of
+# Smallest energy [J] or momentum [N s] that is shown. Smaller values are rounding errors and are written as 0.
+SMALLEST_SUM = 1e-9
+DOT = 6.0  # Radius in design pixels of the dot that shows the reliability.
+# Velocities below this fraction of the largest velocity count as 0. The velocity of a bead at rest is a sum of
 # increments.
 ROUND_OFF = 1e-12
 
 
 class ExplorePanel(Inspector):
-    """The panel with three numbers of the scene and one comparison. For a selected bead it shows mass and velocity.
+    """The panel of Explore. It has controls for three numbers of the scene, and a button for a comparison.
 
-    A change restarts the experiment, so that runs can be compared.
+    If a bead is selected, the panel shows its mass and velocity. A change restarts the experiment, which makes runs
+    comparable.
 
     Arguments:
-        health: returns the latest verdict on each lane.
+        health: function that returns the latest verdict on each lane.
 
     Attributes:
-        play_again: plays the scene from the start.
+        play_again: function that plays the scene from the start.
     """
 
     play_again: Callable[[], None]
@@ -63,7 +67,8 @@ class ExplorePanel(Inspector):
     def __init__(self, host: Host, session: Session, editor: SceneEditor, health: Callable[[], list[Health]]) -> None:
         super().__init__(host, session, editor)
         self.health = health
-        self._sums_at: float | None = None  # Height of the sums on the page [pixels]; None in a small panel.
+        # Vertical position of total energy and momentum [pixels], or None in a small panel.
+        self._sums_at: float | None = None
 
     def _parameters(self) -> list[Parameter]:
         pick = self.editor.selection
@@ -87,17 +92,17 @@ class ExplorePanel(Inspector):
         return found
 
     def _bead_parameters(self, pick: Pick) -> list[Parameter]:
-        """Return mass and initial velocity of a bead. A change restarts the experiment."""
+        """Return the mass and the initial velocity of a bead. A change restarts the experiment."""
         found = [one for one in parameters(self.session, pick.lane, BEAD, pick.index) if one.key in OF_BEAD]
         lane = self._newest[pick.lane]
         start = lane.start.velocity(lane.chain)
-        if pick.index >= len(start):  # The current frame is in the past, when there were more beads.
+        if pick.index >= len(start):  # The current frame is older than an edit that removed this bead.
             return found
         return [replace(one, value=float(start[pick.index])) if one.key == "velocity" else one for one in found]
 
     @property
     def _contact(self) -> int | None:
-        """Index of the selected contact in the first lane, or None for the whole row."""
+        """Index of the selected contact in the first lane, or None for all contacts."""
         pick = self.editor.selection
         return pick.index if pick is not None and pick.kind == "contact" and pick.lane == 0 else None
 
@@ -149,11 +154,11 @@ class ExplorePanel(Inspector):
         self.host.choose(title, "\n".join(part for part in parts if part), {_("Close"): lambda: None})
 
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
-        """Restart with another number."""
+        """Restart the experiment with another value of a parameter."""
         return self._begin_anew(self._edits(control.parameter, value), gesture)
 
     def _begin_anew(self, items: list[Input], gesture: bool = False) -> bool:
-        """Return to the start and apply the edits. A scene that has been played plays again at once."""
+        """Return to the start and apply the edits. If the scene has been played, play it again at once."""
         played = self.session.history.last > 0
         taken = super()._begin_anew(items, gesture)
         if taken and played:
@@ -170,13 +175,13 @@ class ExplorePanel(Inspector):
         return self._with_alpha(value)
 
     def _at_start(self, parameter: Parameter, scene: Scene) -> Parameter:
-        return parameter  # The numbers of this panel already belong to the start.
+        return parameter  # The parameters of this panel already have the values of the start.
 
     def _with_speed(self, speed: float) -> list[Input]:
-        """Return the edits for another speed of the first lane. All velocities are multiplied by the same factor.
+        """Return the edits that give the first lane another speed. All velocities are multiplied by the same factor.
 
-        If the first lane is at rest, the velocities of the scene are used. A speed > 0 has the direction of motion of
-        the scene.
+        If the first lane is at rest, the factor is applied to the velocities of the original scene. A speed > 0 has the
+        direction of motion of the original scene.
         """
         rows = [lane.start.velocity(lane.chain).tolist() for lane in self._newest]
         if not any(rows[0]):
@@ -189,15 +194,16 @@ class ExplorePanel(Inspector):
         return [SetVelocity(k, bead, speed * part) for k, bead, part in moving if abs(part) > ROUND_OFF]
 
     def _with_alpha(self, alpha: float) -> list[Input]:
-        """Return the edits for another exponent of the row or of the selected contact. The depth at which the blow
-        stops is kept.
+        """Return the edits that change the exponent of all contacts or of the selected contact.
+
+        The depth within which a contact stops an impact does not change.
         """
         lane, chosen = self._newest[0], self._contact
         contacts = range(lane.chain.contacts) if chosen is None else (min(chosen, lane.chain.contacts - 1),)
         return [SetContact(0, i, at_the_same_depth(lane.chain, i, alpha, lane.speed)) for i in contacts]
 
     def change_beads(self, by: int) -> None:
-        """Add a bead at the right end of every lane, or remove the last bead. A wall stays at the end."""
+        """Add a bead at the right end of every lane (1), or remove the last bead (-1). A wall remains at the end."""
         last = min(lane.chain.contacts for lane in self._newest)
         if not 2 <= last + 1 + by <= MOST_BEADS:
             self.host.messages.hint(_("You can choose 2 to {most} beads here.", most=MOST_BEADS))
@@ -211,11 +217,11 @@ class ExplorePanel(Inspector):
 
     @property
     def _newest(self) -> tuple[LaneSetup, ...]:
-        """The lanes with all edits, including edits later than the current frame."""
+        """The lanes with all edits. This includes edits that are later than the current frame."""
         return self.session.history.newest_setup.lanes
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the names of the numbers and the text of the scene."""
+        """Draw the names of the parameters and the text of the scene."""
         unit, rect = self.host.unit, self.rect
         if rect.width == 0:
             return
@@ -235,8 +241,9 @@ class ExplorePanel(Inspector):
         self._whole = self._about, cut
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the dot of the badge. If a lane has a problem, draw the sentence about it instead of the text of the
-        scene.
+        """Draw the dot that shows the reliability of the result. If a lane has a problem, draw a sentence about it.
+
+        The sentence replaces the text of the scene.
         """
         if self.rect.width == 0:
             return
@@ -269,5 +276,7 @@ class ExplorePanel(Inspector):
 
 
 def _unused(value: float) -> Input:
-    """Raise NotImplementedError. The panel applies its numbers itself, because a change needs several inputs."""
+    """Raise NotImplementedError. The panel does not use the edits of its parameters, because a change needs several
+    inputs.
+    """
     raise NotImplementedError

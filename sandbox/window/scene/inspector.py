@@ -1,5 +1,6 @@
-"""The panel of the selected bead or contact: sliders, text fields and buttons; also the comparison of nine values of a
-parameter.
+"""The panel of the selected bead or contact, with sliders, text fields and buttons.
+
+The overlay for a sweep is also defined here. A sweep compares nine values of a parameter.
 """
 
 from __future__ import annotations
@@ -53,13 +54,14 @@ MARGIN = 20.0  # Margin around the plots in design pixels.
 
 
 def swept_values(parameter: Parameter) -> list[float]:
-    """Return COUNT values, evenly spaced on the slider from one end to the other."""
+    """Return COUNT values of a parameter that are evenly spaced on its slider, from one end to the other."""
     return [parameter.at(k / (COUNT - 1)) for k in range(COUNT)]
 
 
 class SweepBoard(Overlay):
-    """An overlay with small plots of runs with different values. A click on a plot uses its value, Esc closes the
-    overlay.
+    """An overlay that compares runs with different values of a parameter. Each run has a small plot.
+
+    A click on a plot sets the parameter to its value. Esc closes the overlay.
 
     Attributes:
         values: values of all variants.
@@ -114,7 +116,7 @@ class SweepBoard(Overlay):
         self._make_panels()
 
     def _make_panels(self) -> None:
-        """Create the plots. All have the same velocity axis, so that they can be compared; each time axis is as long as
+        """Create the plots. They have the same velocity axis, which makes them comparable. Each time axis is as long as
         its motion.
         """
         motions = [variant.motion for variant in self.found if variant.motion is not None]
@@ -139,7 +141,7 @@ class SweepBoard(Overlay):
             self._panels.append(panel)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle an event: a click on a variant uses its value, a click outside the box closes the overlay."""
+        """Handle an event. A click on a variant uses its value. A click outside the box closes the overlay."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             if not self.box.collidepoint(event.pos):
                 self.close()
@@ -149,7 +151,7 @@ class SweepBoard(Overlay):
         return super().handle(event)
 
     def take_choice(self) -> None:
-        """Use the value of the variant in focus."""
+        """Use the value of the variant that has the focus."""
         self._choose(self.focus)
 
     def _choose(self, k: int) -> None:
@@ -190,12 +192,13 @@ CHANGED = N_("You changed this scene, so its description no longer fits. Press P
 PREDICT = N_("Choose an answer, or press Play. The explanation comes afterwards.")
 
 
-CHOICE, CHOICE_GAP = 30.0, 6.0  # Height of a button with a choice and distance of two, in design pixels.
+# Height of a button with an answer, and distance between two such buttons, in design pixels.
+CHOICE, CHOICE_GAP = 30.0, 6.0
 ABOUT_TITLE = 31.0  # Height in design pixels of the title above a text.
 
 
 class Questions(Protocol):
-    """The questions that are asked before a scene is played."""
+    """Interface for the questions that are asked before a scene is played."""
 
     @property
     def title(self) -> str:
@@ -203,11 +206,11 @@ class Questions(Protocol):
 
     @property
     def question(self) -> str:
-        """The question; empty without a question."""
+        """The text of the question. It is empty if there is no question."""
 
     @property
     def choices(self) -> Choices:
-        """The buttons below the question."""
+        """The buttons with the possible answers, below the question."""
 
     @property
     def explanations(self) -> Sequence[str]:
@@ -216,7 +219,7 @@ class Questions(Protocol):
 
 @dataclass(frozen=True)
 class NoQuestions:
-    """No question at all."""
+    """An implementation of Questions without any question."""
 
     title: str = ""
     question: str = ""
@@ -225,9 +228,10 @@ class NoQuestions:
 
 
 def about(session: Session, questions: Questions, sources: bool) -> tuple[str, str, str]:
-    """Return a title, the text of the scene and, if `sources`, its source.
+    """Return a title, the text of the scene, and its source if `sources` is True.
 
-    Until the question is answered, it is returned instead. For an edited scene, a note says that the text no longer fits.
+    While a question is open, the question is returned instead of the text. For an edited scene, a note explains that
+    the text may be wrong.
     """
     scene = session.scene
     if questions.question:
@@ -240,7 +244,7 @@ def about(session: Session, questions: Questions, sources: bool) -> tuple[str, s
 
 
 def choice_places(rect: pygame.Rect, unit: float, questions: Questions) -> list[pygame.Rect]:
-    """Return the rectangles of the choices below the question in `rect`. The list is empty if they do not fit."""
+    """Return the rectangles of the answers below the question in `rect`. The list is empty if they do not fit."""
     size, count = 13 * unit, len(questions.choices)
     y = rect.top + ABOUT_TITLE * unit + 1.4 * size * len(wrapped(questions.question, size, rect.width)) + 8 * unit
     pitch = (CHOICE + CHOICE_GAP) * unit
@@ -258,10 +262,10 @@ def paint_about(
     choices: Sequence[pygame.Rect] = (),
     sources: bool = True,
 ) -> str:
-    """Draw the text about the scene into `rect`, below its title. Draw nothing if there is no space for a line.
+    """Draw the text about the scene into `rect`, below its title. Draw nothing if not even one line fits.
 
-    `choices` are the rectangles of the buttons below a question. Return the complete text if it does not fit into `rect`,
-    otherwise an empty string.
+    `choices` are the rectangles of the buttons below a question. If the text does not fit into `rect`, return the
+    complete text, otherwise an empty string.
     """
     size = 13 * unit
     tips = math.ceil(1.4 * size * len(wrapped(_(TIPS), size, rect.width)) + 1) if rect.height > 150 * unit else 0
@@ -285,7 +289,8 @@ def paint_about(
 
 
 ROW = 40.0  # Height of a parameter in design pixels.
-SECONDS_BETWEEN_READINGS = 0.15  # Seconds between two updates of the numbers, because faster changes cannot be read.
+# Time in seconds between two updates of the numbers. Numbers that change faster cannot be read.
+SECONDS_BETWEEN_READINGS = 0.15
 KIND_NAMES = {
     "power": NP_("button", "alpha < 1"),
     "gear": NP_("button", "draft gear"),
@@ -297,14 +302,15 @@ Knob = tuple[str, Callable[[], object], str]  # A button: its text, its function
 
 
 class Inspector:
-    """The panel of the selection.
+    """The panel of the selected bead or contact.
 
     Attributes:
         pick: bead or contact of the present widgets; it follows the selection with a delay of one frame.
         controls: widgets of the parameters, by key.
         buttons: the other widgets.
-        reset_view: moves the view back to the part of the line that was shown first.
-        keep_ghost: keeps the curves of the present run, to be compared with those of the next run.
+        reset_view: function that moves the view back to its initial part of the line.
+        keep_ghost: function that stores the curves of the present run. They are compared with the curves of the next
+            run.
     """
 
     reset_view: Callable[[], None]
@@ -318,21 +324,24 @@ class Inspector:
         self.pick: Pick | None = None
         self.controls: dict[str, Control] = {}
         self.buttons: list[UIButton] = []
-        self._whole = self.rect, ""  # A text that is cut, and its rectangle.
-        # Place of the pointer when the text appeared. The complete text waits until the pointer moves, because it covers plots.
+        self._whole = self.rect, ""  # Rectangle of a text that does not fit, and the complete text.
+        # Position of the pointer when the text appeared. The complete text appears only after the pointer has moved,
+        # because it covers plots.
         self._still = (-1, -1)
         self._seconds = 0.0  # Seconds since the last update of the numbers.
         self._last = ""  # Key of the parameter that was changed last.
         self._made = Derived(self._made_of, self._remake)
 
     def build(self, rect: pygame.Rect) -> None:
-        """Create the widgets on a page that is being rebuilt; the old widgets have already been removed."""
+        """Create the widgets while the page is rebuilt. The old widgets have already been removed."""
         self.rect, self.controls, self.buttons = rect, {}, []
         self._make()
         self._made.note()
 
     def follow(self) -> None:
-        """Rebuild the widgets if the selection or its kind of contact has changed. A widget in use is kept."""
+        """Rebuild the widgets if the selection or its kind of contact has changed. A widget that is in use is not
+        rebuilt.
+        """
         self._take_left_entries()
         if self.busy and self.editor.selection == self.pick:
             self._made.note()
@@ -373,13 +382,13 @@ class Inspector:
             self._row(y + (4 + 34 * k) * unit, row)
 
     def _make_choices(self, rect: pygame.Rect) -> None:
-        """Create a button for each choice of the question in `rect`, if they fit."""
+        """Create a button in `rect` for each answer to the question, if they fit."""
         self.choices = choice_places(rect, self.host.unit, self.questions)
         for place, (text, command) in zip(self.choices, self.questions.choices.items(), strict=False):
             self.buttons.append(UIButton(place, text, self.host.manager, object_id="#chip", command=command))
 
     def _parameters(self) -> list[Parameter]:
-        """Return the parameters for which there are controls."""
+        """Return the parameters that have controls in this panel."""
         return [] if self.pick is None else parameters(self.session, self.pick.lane, self.pick.kind, self.pick.index)
 
     def _law(self) -> Contact | None:
@@ -393,9 +402,10 @@ class Inspector:
         return law if isinstance(law, Contact) else None
 
     def _make_kinds(self, pick: Pick, y: float) -> None:
-        """Create three buttons for the kind of contact: power law below 1, draft gear, and power law from 1 on.
+        """Create three buttons for the kind of contact: power law with an exponent below 1, draft gear, and hard
+        contact.
 
-        The last kind makes a contact stiff that was of another kind.
+        The button for a hard contact makes a soft contact stiff.
         """
         present, tip = kind_of(self.session.lanes[pick.lane].chain.contact[pick.index]), _("law of this contact")
         row = [
@@ -426,9 +436,9 @@ class Inspector:
         height: float = 28.0,
         style: str | None = None,
     ) -> list[UIButton]:
-        """Create buttons side by side at the height `y`. None in `row` leaves a gap.
+        """Create buttons side by side at the height `y`. An entry None in `row` leaves a gap.
 
-        The buttons are `sizes` wide [design pixels], or all equally wide.
+        `sizes` are the widths of the buttons [design pixels]. Without `sizes`, all buttons are equally wide.
         """
         unit, first = self.host.unit, len(self.buttons)
         rect = pygame.Rect(self.rect.left, round(y), self.rect.width, round(height * unit))
@@ -451,9 +461,10 @@ class Inspector:
             self.editor.apply(SetContact(self.pick.lane, None, law))
 
     def sweep(self, key: str = "") -> None:
-        """Show nine values of a parameter side by side.
+        """Show runs with nine values of a parameter side by side.
 
-        The parameter is the one with that key, or else the parameter changed last, or else the first one.
+        `key` selects the parameter. Without a key, the parameter that was changed last is used, or else the first
+        parameter.
         """
         found = self._parameters()
         if not found:
@@ -478,15 +489,16 @@ class Inspector:
         return [parameter.edit(value)]
 
     def _at_start(self, parameter: Parameter, scene: Scene) -> Parameter:
-        """Return the parameter with the value that it has at the start of the `scene`."""
+        """Return the parameter with its value at the start of `scene`."""
         if self.pick is None:
             return parameter
         begun = parameters(Session(scene), self.pick.lane, self.pick.kind, self.pick.index)
         return next((one for one in begun if one.key == parameter.key), parameter)
 
     def _begin_anew(self, items: list[Input], gesture: bool = False) -> bool:
-        """Return to the start and apply all earlier edits and these. An input at an earlier frame would remove later
-        edits.
+        """Return to the start, and apply all earlier edits and the new `items`.
+
+        Without the return, an input at an old frame would remove later edits.
         """
         moved = self.session.frame != 0 or self.session.scrubbed
         if moved:
@@ -507,7 +519,8 @@ class Inspector:
             for control in self.controls.values():
                 if event.ui_element is control.entry:
                     control.typed = False
-                    self.host.manager.set_focus_set(None)  # Keys trigger actions of the window again.
+                    # Remove the focus from the text field, so that keys trigger actions of the window again.
+                    self.host.manager.set_focus_set(None)
                     if control.new_text() is not None:
                         self._type(control, event.text)
                     return True
@@ -521,7 +534,7 @@ class Inspector:
         self.refresh(force=True)
 
     def _take_left_entries(self) -> None:
-        """Apply a number whose text field lost the focus by a click elsewhere."""
+        """Apply a typed number after its text field has lost the focus by a click elsewhere."""
         for control in list(self.controls.values()):
             text = control.left_text()
             if text is not None:
@@ -545,22 +558,22 @@ class Inspector:
         except ValueError as error:
             self.host.messages.show(str(error), warning=True)
             accepted = False
-        if control.parameter.key in self.controls:  # The widgets may have been created again.
+        if control.parameter.key in self.controls:  # The widgets may have been created again in the meantime.
             self.refresh(force=True, but=None if typed or not accepted else control)
 
     def _apply(self, control: Control, value: float, gesture: bool) -> bool:
-        """Set a parameter and return if it was accepted. Raise ValueError if the number is invalid."""
+        """Set a parameter. Return True if the value was accepted. Raise ValueError if the number is invalid."""
         return self.editor.apply_all(self._edits(control.parameter, value), gesture)
 
     def update(self, seconds: float) -> None:
-        """Update the displayed numbers, slowly enough that they can be read."""
+        """Update the displayed numbers from time to time, so that they can be read."""
         self._seconds += seconds
         if self._seconds >= SECONDS_BETWEEN_READINGS:
             self._seconds = 0.0
             self.refresh()
 
     def refresh(self, force: bool = False, but: Control | None = None) -> None:
-        """Show the present values. A number that is being typed and the slider of `but` do not change."""
+        """Show the present values. A number that is being typed does not change, and neither does the slider of `but`."""
         for parameter in self._parameters() if self.controls else ():
             control = self.controls.get(parameter.key)
             if control is None:
@@ -569,7 +582,7 @@ class Inspector:
 
     @property
     def typing(self) -> bool:
-        """True while a number is being typed, so that keys go into its text field."""
+        """True while a number is being typed. Keys then go into its text field."""
         return any(control.entry.is_focused for control in self.controls.values())
 
     @property
@@ -578,7 +591,7 @@ class Inspector:
         return self.typing or any(control.grabbed for control in self.controls.values())
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the title and the names of the parameters, or the text of the scene if nothing is selected."""
+        """Draw the title and the names of the parameters. If nothing is selected, draw the text of the scene."""
         unit, rect = self.host.unit, self.rect
         if rect.width == 0:
             return
@@ -591,7 +604,7 @@ class Inspector:
         self._names(surface)
 
     def paint_over(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw the complete text while the pointer is on a text that is cut."""
+        """Draw the complete text while the pointer is on a text that does not fit."""
         unit, (rect, text) = self.host.unit, self._whole
         if text and rect.width and rect.collidepoint(point) and point != self._still:
             corner = rect.left - round(14 * unit), rect.bottom

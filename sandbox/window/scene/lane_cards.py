@@ -1,4 +1,4 @@
-"""The cards of the lanes: each shows the method of its lane and a badge with the reliability of the result."""
+"""The cards of the lanes. Each card shows the method of its lane, and a badge with the reliability of the result."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from softcradle.sandbox.window.scene.editor import AUTO
 from softcradle.sandbox.window.widgets import fits, paint_whole, write_wrapped
 
 HEIGHT = 246.0  # Height of a single card in design pixels.
-HEIGHT_COMPACT = 84.0  # Height in design pixels of a card without numbers, which is used for two lanes.
+HEIGHT_COMPACT = 84.0  # Height in design pixels of a card without numbers. Such cards are used for two lanes.
 GAP = 8.0  # Distance below a card in design pixels.
 ROOM = 300.0  # Height in design pixels that the inspector needs below the cards.
 SECONDS_BETWEEN_READINGS = 0.2
@@ -37,7 +37,7 @@ class LaneCards:
     Attributes:
         rects: rectangles of the cards; empty while the cards are hidden to give space to the selection.
         menus: method menus of the cards.
-        verdicts: buttons with the worst problem of the stored frames; a click goes to that frame.
+        verdicts: buttons with the worst problem of the stored frames; a click goes to the frame of the problem.
         checks: checks of the velocities of each lane.
         health: latest verdict on each lane.
         tight: True if cards and inspector do not both fit.
@@ -52,13 +52,14 @@ class LaneCards:
         self.health: list[Health] = []
         self.checks = [VelocityCheck(session, lane) for lane in range(len(session.lanes))]
         self.tight = self.crowded_out = self.compact = False
-        self._cut: list[tuple[pygame.Rect, str]] = []  # Rectangles of texts that are cut, with the complete texts.
+        self._cut: list[tuple[pygame.Rect, str]] = []  # Rectangles of texts that do not fit, with the complete texts.
         self._seconds = math.inf  # Seconds since the last update of the verdicts.
 
     def build(self, rect: pygame.Rect, selected: bool) -> pygame.Rect:
-        """Create the widgets at the top of `rect` and return the remaining rectangle.
+        """Create the widgets at the top of `rect`. Return the remaining rectangle.
 
-        If something is `selected` and the space is tight, the cards are hidden and the complete `rect` is returned.
+        If a bead or contact is `selected` and the space is tight, the cards are hidden and the complete `rect` is
+        returned.
         """
         unit, count = self.host.unit, len(self.session.lanes)
         room = rect.height / unit - ROOM
@@ -76,8 +77,8 @@ class LaneCards:
         return pygame.Rect(rect.left, rect.top + used, rect.width, rect.height - used)
 
     def made_of(self, selected: bool) -> object:
-        """Return the values on which the widgets depend. Menus do not update by themselves, and a selection may hide
-        the cards.
+        """Return the values on which the widgets depend. Menus do not update themselves, and a selection may hide the
+        cards.
         """
         return [self.method(k) for k in range(len(self.session.lanes))], self.tight and selected
 
@@ -95,25 +96,27 @@ class LaneCards:
         return UIButton(place, "", self.host.manager, object_id="#flat", tool_tip_text=tip, command=show)
 
     def show_fault(self, lane: int) -> None:
-        """Scrub to the first frame of the worst problem of the run."""
+        """Show the first frame of the worst problem of a lane."""
         worst = _worst(self.session.findings(lane))
         if worst is not None:
             self.session.scrub_frame(max(worst.first, self.session.history.first))
 
     def method(self, lane: int) -> str:
-        """Return the present entry of the method menu."""
+        """Return the present entry of the method menu of a lane."""
         setup = self.session.lanes[lane].setup
         return AUTO if setup.automatic else setup.method
 
     def next_method(self) -> str:
-        """Return the menu entry after the method of the first lane, skipping methods that cannot simulate all chains."""
+        """Return the menu entry that follows the method of the first lane. Methods that cannot simulate all chains are
+        skipped.
+        """
         names, chains = [AUTO, *SUMMARIES], [lane.chain for lane in self.session.lanes]
         k = names.index(self.method(0)) + 1
         carrying = (n for n in names[k:] + names[:k] if n == AUTO or not any(refusal_of(n, chain) for chain in chains))
         return next(carrying)
 
     def handle(self, event: pygame.Event) -> SetMethod | None:
-        """Return the input that corresponds to a chosen menu entry, or None."""
+        """Return the input for an entry that was chosen in a method menu, or None."""
         if event.type == pygame_gui.UI_DROP_DOWN_MENU_CHANGED and event.ui_element in self.menus:
             return SetMethod(self.menus.index(event.ui_element), event.text)
         return None
@@ -134,7 +137,7 @@ class LaneCards:
                 button.tool_tip_text = _("for all stored frames") if text == whole else whole
 
     def _check_velocities(self) -> None:
-        """Compare each lane with an accurate run in the background thread."""
+        """Compare the velocities of each lane with an accurate run in the background thread."""
         for check in self.checks:
             if self.host.warmup.is_warm(METHOD):
                 job = check.job()
@@ -176,7 +179,7 @@ class LaneCards:
         write(surface, title, (rect.left, rect.top + 12 * unit), 13 * unit, tones.foreground, bold=True)
 
     def _method_lines(self, surface: pygame.Surface, rect: pygame.Rect, number: int) -> float:
-        """Draw the title, the method with its step, and its summary. Return the position of the next line."""
+        """Draw the title of a lane, its method with the step, and a summary. Return the position of the next line."""
         unit, lane = self.host.unit, self.session.lanes[number]
         self._title(surface, rect, number)
         x, y = rect.left, rect.top + 12 * unit
@@ -203,7 +206,7 @@ class LaneCards:
         return y
 
     def _sentence(self, surface: pygame.Surface, rect: pygame.Rect, state: Health, y: float) -> None:
-        """Draw a mark and the part of the sentence that fits above the button."""
+        """Draw a mark, and the part of the sentence about the reliability that fits above the button."""
         unit, tint, x = self.host.unit, getattr(tones, state.level), rect.left
         mark = "✓" if state.level == verdict.GOOD else "!"
         write(surface, mark, (x, y + 2 * unit), 13 * unit, tint, bold=True)
@@ -214,7 +217,7 @@ class LaneCards:
             self._cut.append((place, state.sentence))
 
     def paint_over(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw the complete text while the pointer is on a text that is cut."""
+        """Draw the complete text while the pointer is on a text that does not fit."""
         unit = self.host.unit
         for place, text in self._cut:
             if place.collidepoint(point):
@@ -229,7 +232,7 @@ def _worst(found: list[Finding]) -> Finding | None:
 
 
 def _numbers(state: Health) -> list[tuple[str, str]]:
-    """Return the names and values of the numbers of the badge."""
+    """Return the names and values of the numbers in the badge."""
     chatter = fixed(state.chatter, 1) if state.chatter < 1e4 else scientific(state.chatter)
     return [
         (_("velocity error"), _error(state.velocity_error, _("not known"))),

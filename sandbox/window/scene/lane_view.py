@@ -1,6 +1,4 @@
-"""The beads of one lane on the page: drawing them, finding them under the pointer, and marking the selected bead or
-contact.
-"""
+"""The beads of one lane on the page. They are drawn, found under the pointer, and marked if they are selected."""
 
 from __future__ import annotations
 
@@ -24,15 +22,17 @@ from softcradle.scenes import View
 
 HANDLE = 7.0  # Half the diagonal of a contact handle in design pixels.
 LEAST_HANDLED = 6.0 * HANDLE  # Smallest size of a bead that gets handles, in design pixels.
-REACH = 9.0  # Half the width in design pixels in which a click selects a contact.
-REACH_OF_BEAD = 0.2  # The same distance as a fraction of the length of a bead; the larger of both applies.
-LEAST_REACH = 5.0  # Half the width in design pixels in which a click selects a bead, even if the bead is smaller.
+REACH = 9.0  # Largest horizontal distance in design pixels between a click and the contact that it selects.
+REACH_OF_BEAD = 0.2  # The same distance as a fraction of the length of a bead. The larger of the two distances applies.
+# Largest horizontal distance in design pixels between a click and the centre of a bead that it selects, if the bead is
+# small.
+LEAST_REACH = 5.0
 
 
 @dataclass(frozen=True)
 class SessionLane:
-    """A lane of a running session in the form that LaneDrawing needs, with its state before the collision and its
-    locked pistons.
+    """A lane of a running session, in the form that LaneDrawing needs. It includes the state before the collision and
+    the locked pistons.
     """
 
     label: str
@@ -42,11 +42,11 @@ class SessionLane:
 
     @property
     def velocity(self) -> tuple[float, ...]:
-        """(n+1,) velocities [m/s] before the collision."""
+        """(n+1,) velocities of the beads before the collision [m/s]."""
         return tuple(self.approach[1].tolist())
 
     def chain(self) -> Chain:
-        """Return the chain. (A Lane of a scene creates it; here it already exists.)"""
+        """Return the chain. It is a method because a Lane of a scene has to create its chain."""
         return self.live_chain
 
 
@@ -70,7 +70,7 @@ def _session_lane(session: Session, number: int) -> SessionLane:
 
 
 class LaneView:
-    """The beads of lane `number`. It is created again after every edit or change of scale.
+    """The drawing of the beads of lane `number`. A new one is created after every edit and every change of scale.
 
     Attributes:
         edges: (n+1,) left edges of the beads in the last frame [pixels].
@@ -98,16 +98,16 @@ class LaneView:
         self.contacts: Array = np.zeros(lane.live_chain.contacts)
 
     def take_approach(self, overlap: Array, velocity: Array) -> None:
-        """Set the overlaps and velocities with which the beads entered a collision."""
+        """Store the overlaps and velocities before the present collision."""
         self.drawing.take_approach(overlap.tolist(), velocity.tolist())
 
     @property
     def marked(self) -> bool:
-        """True if the forces of rigid clusters are marked."""
+        """True if the drawing marks the forces of rigid clusters."""
         return has_marks(self.drawing.ends)
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the parts that do not change."""
+        """Draw the parts that do not change with time."""
         self.drawing.backdrop(surface)
         if self.insets is not None:
             self.insets.backdrop(surface)
@@ -115,7 +115,7 @@ class LaneView:
             self.energy_bars.backdrop(surface)
 
     def paint(self, surface: pygame.Surface, motion: Motion, centre: float) -> None:
-        """Draw the single row of `motion`, with the camera at `centre` [m]."""
+        """Draw the single sample of `motion`, with the camera at `centre` [m]."""
         left = self.drawing.left(centre)
         edges = left_edges(motion.position[0], motion.overlap[0], self.view.length, self.scales.magnify)
         self.edges = left + self.drawing.scale * edges
@@ -128,7 +128,7 @@ class LaneView:
             self.energy_bars.paint(surface, motion, 0)
 
     def _outside(self, surface: pygame.Surface) -> None:
-        """Draw an arrow at each end with the number of beads outside the view."""
+        """Draw an arrow at each end of the lane, with the number of beads outside the view."""
         rect, unit = self.drawing.rect, self.unit
         beyond = int((self.edges + self.drawing.bead < rect.left).sum()), int((self.edges > rect.right).sum())
         y, size = self.drawing.ground - 14 * unit, 7 * unit
@@ -154,7 +154,9 @@ class LaneView:
                 pygame.draw.arc(surface, tones.foreground, ring, 0.0, math.pi, max(1, round(1.5 * self.unit)))
 
     def paint_grip(self, surface: pygame.Surface, bead: int, pointer: tuple[int, int], spring: bool) -> None:
-        """Draw a line around the bead that the pointer holds. If a `spring` pulls the bead, draw a line to the pointer."""
+        """Draw a line around the bead that the pointer holds. If a `spring` pulls the bead, draw a line from it to the
+        pointer.
+        """
         centre, thickness = self.centre(bead), max(2, round(2 * self.unit))
         self._outline(surface, bead, tones.warning)
         if spring:
@@ -162,7 +164,7 @@ class LaneView:
             pygame.draw.aacircle(surface, tones.warning, pointer, 4 * self.unit)
 
     def _outline(self, surface: pygame.Surface, bead: int, colour: Colour) -> None:
-        """Draw a line around a body, in the shape of the body."""
+        """Draw a line around a bead, in the shape of the bead."""
         (rect, corner), gap = self.drawing.body_shape(bead, float(self.edges[bead])), round(4 * self.unit)
         thickness = max(2, round(2 * self.unit))
         if 2.0 * corner >= rect.width:
@@ -192,7 +194,9 @@ class LaneView:
         return float(self.edges[bead]) + 0.5 * self.drawing.bead, self.drawing.ground - 0.5 * self.drawing.bead
 
     def pick(self, point: tuple[int, int]) -> Pick | None:
-        """Return the bead or contact at `point`, or None. A contact is also found at its inset and its force bar."""
+        """Return the bead or contact at `point`, or None. A contact can also be selected at its inset and at its force
+        bar.
+        """
         contact = self._inset(point)
         if contact is not None:
             return Pick(self.number, "contact", contact)
@@ -218,8 +222,9 @@ class LaneView:
         return None
 
     def handles(self) -> list[tuple[float, float]]:
-        """Return the positions of the contact handles, at the touching points. The list is empty if the beads are too
-        small for handles.
+        """Return the positions of the contact handles, which are drawn where two beads touch.
+
+        The list is empty if the beads are too small for handles.
         """
         y = self.drawing.ground - 0.5 * self.drawing.bead
         roomy = self.drawing.bead >= LEAST_HANDLED * self.unit
@@ -243,7 +248,7 @@ class LaneView:
         surface.set_clip(None)
 
     def _bead(self, point: tuple[int, int]) -> int | None:
-        """Return the bead at `point`, or None. For small beads this is the nearest bead within LEAST_REACH."""
+        """Return the bead at `point`, or None. If beads are small, return the nearest bead within LEAST_REACH."""
         drawing = self.drawing
         if not drawing.ground - drawing.bead - 3 * self.unit <= point[1] <= drawing.rect.bottom:
             return None

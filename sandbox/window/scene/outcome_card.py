@@ -1,4 +1,6 @@
-"""The words at the end of a motion, in the force panels above the beads, which are empty outside a contact."""
+"""The text at the end of a motion. It appears in the force panels above the beads, because they are empty without a
+contact.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +16,19 @@ from softcradle.sandbox.session.summary_text import outcome_text, outcome_texts
 from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.scene.lane_view import LaneView
 
-# Text sizes in design pixels. The first one is used with which the text fits.
+# Text sizes in design pixels. The first size at which the text fits is used.
 SIZES = (16.0, 13.0)
-# Space on the left for the labels of the force axis, and on the right for the ruler, in design pixels.
+# Space in design pixels for the labels of the force axis on the left, and for the ruler on the right.
 LEFT, RIGHT = 52.0, 132.0
 
 
 class OutcomeCard:
-    """The words at the end of a motion. Each row has them in its own force panel.
+    """The text at the end of a motion. Each lane has its own text, which is shown in its force panel.
 
-    They disappear as soon as the clock runs or another frame is shown. If they do not fit, a dialog shows them.
+    The text disappears when the clock runs or another frame is shown. If the text does not fit, a dialog shows it.
 
     Attributes:
-        paragraphs: the paragraphs of each row, the most important first; empty while the card is hidden.
+        paragraphs: the paragraphs of each lane, the most important first; empty while the card is hidden.
     """
 
     def __init__(self, host: Host, session: Session) -> None:
@@ -39,11 +41,14 @@ class OutcomeCard:
 
     @property
     def text(self) -> str:
-        """The words of all rows; empty while the card is hidden."""
+        """The text of all lanes. It is empty while the card is hidden."""
         return "\n".join(" ".join(paragraphs) for paragraphs in self.paragraphs)
 
     def show_outcome(self, verdict: str = "") -> None:
-        """Describe how the beads of each row move, after a `verdict` on a prediction about the first row."""
+        """Describe how the beads of each lane move. If there is a `verdict`, it comes first.
+
+        A verdict compares a prediction about the first lane with the result.
+        """
         self.paragraphs = [[words] for words in outcome_texts(self.session)]
         if verdict:
             self.paragraphs[0].insert(0, verdict)
@@ -59,7 +64,7 @@ class OutcomeCard:
             self.hide()
 
     def follow(self, lanes: Sequence[LaneView]) -> None:
-        """Fit the words into the force panels of `lanes`. If they do not fit, show a dialog instead."""
+        """Fit the text into the force panels of `lanes`. If it does not fit, show a dialog instead."""
         self._lanes = lanes
         self._fitted.follow()
 
@@ -77,8 +82,9 @@ class OutcomeCard:
             self.host.choose(_("What happened"), words, {_("Close"): lambda: None})
 
     def _placed(self, lane: LaneView, texts: Sequence[str]) -> tuple[pygame.Rect, float, list[str]] | None:
-        """Return rectangle, text size and lines of a row, or None if the text does not fit. The last paragraphs are left out
-        if they do not fit.
+        """Return the rectangle, the text size and the lines for one lane, or None if the text does not fit.
+
+        Paragraphs at the end are left out if they do not fit.
         """
         unit, drawing = self.host.unit, lane.drawing
         room = drawing.rect.inflate(0, 0)
@@ -94,7 +100,7 @@ class OutcomeCard:
         return None
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the words."""
+        """Draw the text."""
         unit = self.host.unit
         for rect, size, lines in self._shown if self.paragraphs else ():
             surface.fill(tones.lane_background, rect)

@@ -1,4 +1,4 @@
-"""The page on which a scene is played: beads, plots, time controls, badges and inspector for one session."""
+"""The page on which a scene is played. It shows beads, plots, time controls, badges and inspector of one session."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ class ScenePage(Page):
     """The page of one session.
 
     Arguments:
-        leave: returns to the gallery.
+        leave: function that returns to the gallery.
         replay: the replay that drives the session, if the session was recorded.
-        alone: the scene with one row from which this comparison was made, or None.
+        alone: the scene with a single lane from which this comparison was made, or None.
     """
 
     def __init__(
@@ -110,13 +110,13 @@ class ScenePage(Page):
         self.actions: Actions = joined(own, *(part.actions for part in parts))
 
     def sweep(self) -> None:
-        """Show nine values of a slider in the visible panel."""
+        """Compare nine values of a parameter of the visible panel."""
         (self.explore if self.host.explore else self.inspector).sweep()
 
     def explain(self) -> None:
-        """Explain the collision at the largest force of each row, or close the explanation.
+        """Explain the collision of each lane at its largest force. If an explanation is open, close it.
 
-        Show a dialog if the picture does not fit.
+        If the picture does not fit, show the explanation as text in a dialog.
         """
         self.outcome.hide()
         self.board.hidden = self.view.plots_covered = False
@@ -126,10 +126,11 @@ class ScenePage(Page):
             self.why.hide()
 
     def show_scene(self, scene: Scene, alone: Scene | None = None, then: str | None = None) -> None:
-        """Replace this page by a scene made from its first row, and perform the action `then` on the new page.
+        """Replace this page by the page of `scene`, which was made from the first lane. Perform the action `then` on
+        the new page.
 
-        Unsaved edits of that row stay unsaved on the new page. Edits that exist only in other rows would be lost, so
-        ask first.
+        Unsaved edits of the first lane remain marked as unsaved. Edits that exist only in other lanes would be lost, so
+        the user is asked first.
         """
 
         def show() -> None:
@@ -137,7 +138,7 @@ class ScenePage(Page):
             if self.unsaved:
                 session.undo_stack.lose_what_was_saved()
             page = ScenePage(self.host, session, self.leave, alone=alone)
-            page.lessons.answered = self.lessons.answered  # The question of the scene is not asked again.
+            page.lessons.answered = self.lessons.answered  # The new page does not ask the question of the scene again.
             self.host.show(page)
             self.host.act(then)
 
@@ -159,7 +160,7 @@ class ScenePage(Page):
         def take(found: dict[str, str]) -> None:
             title, text, question, *names = found.values()
             named = zip(scene.lanes, names, strict=True)
-            # An unchanged label keeps its translation.
+            # Keep the lane if its label is unchanged, because its label can then still be translated.
             lanes = [lane if name == lane.label else lane.model_copy(update={"label": name}) for lane, name in named]
             words = {"title": title or scene.title, "text": text, "question": question, "lanes": tuple(lanes)}
             told = scene.model_copy(update=words)
@@ -178,7 +179,7 @@ class ScenePage(Page):
 
     @property
     def least_height(self) -> float:  # type: ignore[override]
-        """The height that all lanes and a row of plots need [design pixels]."""
+        """The height that all lanes and a row of plots need together [design pixels]."""
         return least_height(len(self.session.lanes))
 
     @property
@@ -193,11 +194,11 @@ class ScenePage(Page):
 
     @property
     def unsaved(self) -> bool:  # type: ignore[override]
-        """True if there are unsaved edits, other than values tried out in Explore."""
+        """True if there are unsaved edits. Values that were only tried out in Explore do not count."""
         return self.session.undo_stack.unsaved_work
 
     def call_unsaved(self) -> None:
-        """Mark the scene with all its rows as unsaved, because it has no file yet."""
+        """Mark the scene with all its lanes as unsaved, because no file contains it."""
         self.session.undo_stack.lose_what_was_saved()
         self._called_unsaved = True
 
@@ -214,7 +215,9 @@ class ScenePage(Page):
         )
 
     def escape(self) -> None:
-        """Deselect, or hide the card. If there is neither a selection nor a card, return to the gallery."""
+        """Clear the selection. Without a selection, close the explanation or hide the card. If neither is open, return
+        to the gallery.
+        """
         if self.editor.selection is not None:
             self.editor.selection = None
         elif self.why.rows:
@@ -225,23 +228,23 @@ class ScenePage(Page):
             self.leave()
 
     def message_place(self, size: tuple[int, int], unit: float) -> pygame.Rect:
-        """Return the rectangle for messages: next to the clock, or on the timeline."""
+        """Return the rectangle for messages. It is next to the clock, or on the timeline."""
         return self.time_controls.beside(self.view.places.footer)
 
     def _answered(self) -> object:
         return self.lessons.answered, self.lessons.title, self.lessons.question, self.lessons.explanations
 
     def _asks_beside(self) -> bool:
-        """Return True if the visible panel shows the choices of the question."""
+        """Return True if the visible panel shows the answers to the question."""
         return self.view.panel_shown and any(panel.choices for panel in self.panels)
 
     def _moved_of(self) -> object:
-        """Return the values that decide if kernels can move the lanes in real time."""
+        """Return the values that determine if the kernels can compute the lanes in real time."""
         setup = self.session.setup
         return setup.chains, [(lane.method, lane.step) for lane in setup.lanes], setup.slow
 
     def made_of(self) -> object:
-        """Return the values on which the widgets depend: scene, visible parts and choices."""
+        """Return the values on which the widgets depend: the scene, the visible parts and the choices of the user."""
         places = self.view.panel_shown, self.board.present, self.board.single
         selected = self.editor.selection is not None
         return self.session.scene, places, self.film.recording, self.editor.refused, self.cards.made_of(selected)
@@ -264,7 +267,7 @@ class ScenePage(Page):
         self.view.follow()
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle an event: first the widgets, then the mouse on the beads."""
+        """Handle an event. Widgets come first, then the mouse on the beads."""
         if event.type == pygame.KEYDOWN:
             self.session.end_gesture()
         chosen = self.cards.handle(event)
@@ -276,7 +279,7 @@ class ScenePage(Page):
         return self.tools.handle(event) or self.timeline.handle(event) or self.pointer.handle(event)
 
     def take_file(self, path: str, point: tuple[int, int]) -> bool:
-        """Draw a table or a picture over a plot. Return False for other files."""
+        """Draw a table or a picture from a file over a plot. Return False if the file is neither."""
         return self.tools.data.take_file(path, point)
 
     def update(self, seconds: float) -> None:
@@ -301,7 +304,7 @@ class ScenePage(Page):
         self.unsaved_scene.update(seconds)
 
     def _notice_kernels(self) -> None:
-        """Continue after the kernels have been loaded."""
+        """Let the scene continue after its kernels have been loaded."""
         if not self.editor.preparing:
             return
         self.editor.check_kernels()
@@ -312,7 +315,7 @@ class ScenePage(Page):
             self.view.follow()
 
     def follow(self) -> None:
-        """Update everything drawn to the present texts and lanes."""
+        """Update all drawings to the present texts and lanes."""
         self._words.follow()
         self._kernels.follow()
         self._edits.follow()

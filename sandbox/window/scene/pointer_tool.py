@@ -1,4 +1,6 @@
-"""The mouse on the lanes: it selects, drags and throws beads and moves the view. Also the ruler and the stopwatch."""
+"""The mouse on the lanes. It selects, drags and throws beads, and moves the view. Ruler and stopwatch are also defined
+here.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,14 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 from softcradle.sandbox.window.scene.view import SceneView
 
-REACH = 8.0  # Distance from an end of the ruler, in design pixels, within which the mouse takes it.
+REACH = 8.0  # Largest distance in design pixels at which the mouse takes an end of the ruler.
 
 
 class Stopwatch:
-    """A stopwatch for model time. One key starts, stops and removes it; it also works while scrubbing."""
+    """A stopwatch for model time. One key starts, stops and removes it. It also works while the user scrubs."""
 
     def __init__(self, host: Host, session: Session, clock: Callable[[float], str]) -> None:
-        """Make a stopwatch; `clock` formats a time [s]."""
+        """Create a stopwatch. The function `clock` formats a time [s] as text."""
         self.host, self.session, self.clock = host, session, clock
         self.begin: float | None = None
         self.end: float | None = None
@@ -52,11 +54,13 @@ class Stopwatch:
 
 
 class Ruler:
-    """A ruler on the line of the beads. Both ends can be dragged; they stay at their position when the view moves."""
+    """A ruler on the line of the beads. Both ends can be dragged. They keep their positions on the line when the view
+    moves.
+    """
 
     def __init__(self, host: Host, session: Session, view: SceneView) -> None:
         self.host, self.session, self.view = host, session, view
-        self.ends: list[float] | None = None  # Positions of the ends on the line [m].
+        self.ends: list[float] | None = None  # Positions of both ends on the line of the beads [m].
         self.dragged: int | None = None
 
     def toggle(self) -> None:
@@ -109,7 +113,7 @@ def _tag(surface: pygame.Surface, text: str, place: tuple[float, float], unit: f
     write(surface, text, place, 13 * unit, tones.background, align=(0.5, 0.5))
 
 
-STILL = 4.0  # Distance in design pixels by which the mouse may move during a click. A longer movement is a drag.
+STILL = 4.0  # Distance in design pixels by which the mouse may move during a click. A longer movement counts as a drag.
 
 
 class PointerTool:
@@ -117,13 +121,13 @@ class PointerTool:
 
     def __init__(self, host: Host, session: Session, editor: SceneEditor, view: SceneView) -> None:
         self.host, self.session, self.editor, self.view = host, session, editor, view
-        self.panned: int | None = None  # Last position of the pointer while it moves the view.
+        self.panned: int | None = None  # Last position of the pointer while it moves the view, or None.
         self.pressed: Pick | None = None  # The bead on which the button was pressed.
         self.dragging = False
         self._start, self._pointer, self._offset, self._beads = (0, 0), (0, 0), 0.0, 0
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle a press, a movement or the wheel. The page handles the release."""
+        """Handle a mouse press, a mouse movement or the wheel. The page handles the release of the button."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             return self._press(event.pos)
         if event.type == pygame.MOUSEMOTION and self.panned is not None:
@@ -154,19 +158,19 @@ class PointerTool:
             self.dragging = True
 
     def release(self) -> None:
-        """Release the bead. In a running scene it keeps its velocity."""
+        """Release the held bead. In a running scene it keeps its velocity."""
         self.pressed, self.dragging = None, False
         self.session.drop()
 
     @property
     def grip(self) -> Pick | None:
-        """The bead that is held. It is released if the number of beads in its lane changes."""
+        """The bead that is held, or None. It is released if the number of beads in its lane changes."""
         if self.pressed is not None and len(self.session.lanes[self.pressed.lane].chain.mass) != self._beads:
             self.release()
         return self.pressed
 
     def update(self) -> None:
-        """Drag the bead to the pointer; called once per frame."""
+        """Drag the held bead to the pointer. This is called once per frame."""
         pick = self.grip
         if pick is None or not self.dragging or self.editor.preparing:
             return
@@ -189,7 +193,7 @@ class PointerTool:
         return False
 
     def paint(self, surface: pygame.Surface) -> None:
-        """Draw the grip on the pressed bead."""
+        """Draw a line around the held bead."""
         pick = self.grip
         if pick is not None:
             spring = self.dragging and self.session.playing

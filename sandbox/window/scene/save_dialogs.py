@@ -1,5 +1,5 @@
-"""Dialogs for the files of a page: scene, recording, data, web page, film and screenshot. No file is replaced without a
-question.
+"""Dialogs for the files of a page: scene, recording, data, web page, film and screenshot. A file is only replaced after
+a question.
 """
 
 from __future__ import annotations
@@ -25,11 +25,13 @@ from softcradle.sandbox.window.messages import Messages
 from softcradle.sandbox.window.page import Host
 
 LONGEST_STEM = 40  # Largest number of characters of a file name that is made from a title.
-LONGEST_SHOWN = 60  # Largest number of characters that are shown of an invalid name.
+LONGEST_SHOWN = 60  # Largest number of characters that a message shows of an invalid file name.
 
 
 def free_path(title: str, suffix: str) -> Path:
-    """Return a path named after `title` that does not exist yet. If necessary, a number precedes the suffix."""
+    """Return a path that is named after `title` and does not exist yet. If necessary, a number is added before the
+    suffix.
+    """
     stem = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:LONGEST_STEM] or "scene"
     path = free = Path(f"{stem}{suffix}")
     number = 1
@@ -40,7 +42,8 @@ def free_path(title: str, suffix: str) -> Path:
 
 
 def typed_path(text: str, endings: Sequence[str]) -> Path:
-    """Return the typed path, with ~ as the home folder. If it has none of the `endings`, the first one is added.
+    """Return the path in `text`, with ~ as the home folder. If it has none of the `endings`, the first of them is
+    added.
 
     Raises:
         UserError: a file cannot have this name.
@@ -69,13 +72,14 @@ def _shortened(text: str) -> str:
 def shown_path(path: Path) -> str:
     """Return the absolute path as text, with the home folder written as ~."""
     full = path.resolve()
-    home = os.path.expanduser("~")  # Without a home folder this stays "~".
+    home = os.path.expanduser("~")  # This is "~" if there is no home folder.
     return f"~/{full.relative_to(home)}" if full.is_relative_to(home) else str(full)
 
 
 FILM_ENDINGS = (".mp4", ".gif")
-FRAME_RATE = 30.0  # Frames per second of the film: every other frame of the window.
-MOST_DUE = 2.0  # Largest number of frames in arrears. After a slow frame the film does not catch up.
+FRAME_RATE = 30.0  # Frames per second of the film. It contains every other frame of the window.
+# Largest number of frames by which the film may be late. After a slow frame, further missing frames are left out.
+MOST_DUE = 2.0
 
 
 class WindowFilm:
@@ -100,7 +104,7 @@ class WindowFilm:
         return self.film is not None
 
     def begin(self, path: Path) -> None:
-        """Start recording in the present size of the window."""
+        """Start recording a film with the present size of the window."""
         from softcradle.sandbox.film.encoder import open_film
 
         width, height = self.host.size
@@ -127,7 +131,9 @@ class WindowFilm:
             self.host.messages.show(text)
 
     def record(self, surface: pygame.Surface, seconds: float) -> None:
-        """Add the finished frame, `seconds` after the previous one, if the film needs a frame now."""
+        """Add the finished frame to the film, if the film needs a frame now. The frame comes `seconds` after the
+        previous frame.
+        """
         if self.film is None:
             return
         self._due = min(self._due + seconds * FRAME_RATE, MOST_DUE)
@@ -145,12 +151,12 @@ class WindowFilm:
 
     @property
     def clock(self) -> str:
-        """Duration of the film as minutes and seconds."""
+        """Duration of the film as text, in minutes and seconds."""
         return f"{int(self.seconds) // 60}:{int(self.seconds) % 60:02d}"
 
 
 def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
-    """Copy `surface` onto `frame`. If the window has another size than the film, scale the picture and centre it."""
+    """Copy `surface` onto `frame`. If the size of the window differs from the film, scale the picture and centre it."""
     (width, height), (wide, high) = surface.get_size(), frame.get_size()
     if width - width % 2 == wide and height - height % 2 == high:
         frame.blit(surface, (0, 0))
@@ -162,10 +168,11 @@ def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
 
 
 class Saving(NamedTuple):
-    """A kind of file: texts of the dialog, proposed end of the name, endings, the function that writes it, and the
-    resulting files.
+    """A kind of file that can be saved.
 
-    If it is `reopened`, the window can open it, so its path is added to the recent files.
+    It consists of the texts of the dialog, the proposed end of the name, the possible endings, the function that writes
+    the file, and a function that returns the resulting files. If it is `reopened`, the window can open the file, so its
+    path is added to the recent files.
     """
 
     title: str
@@ -223,14 +230,14 @@ def session_savings(messages: Messages, session: Session) -> dict[str, Saving]:
 
 
 def _write_and_tell(messages: Messages, saving: Saving, path: Path) -> None:
-    """Write the files of a kind and show a message with their names."""
+    """Write the files of one kind, and show a message with their names."""
     names = _(" and ").join(map(shown_path, saving.files(path)))
     report(messages, partial(saving.write, path), _("saved {path}", path=names))
 
 
 class SaveDialogs:
-    """Dialogs for the files of a page: its `savings`, a film and a screenshot. Proposed names come from the title of
-    the page.
+    """Dialogs for the files of a page: its `savings`, a film and a screenshot. Proposed file names are made from the
+    title of the page.
     """
 
     def __init__(self, host: Host, film: WindowFilm, savings: dict[str, Saving]) -> None:
@@ -244,18 +251,18 @@ class SaveDialogs:
         }
 
     def ask(self, name: str) -> None:
-        """Ask for the path of a kind of file."""
+        """Ask for the path of the file for the saving `name`."""
         saving = self.savings[name]
         proposed = str(free_path(self.host.page.title, saving.proposed))
         unit = self.host.unit
         folder = shortened_path(
             shown_path(Path()), 16 * unit, (WIDTH - 2 * MARGIN) * unit
-        )  # A path contains no spaces at which it could be wrapped.
+        )  # Shorten the path to the width of a line, because it contains no spaces at which it could be wrapped.
         note = _("{note} Folder: {folder}", note=_(saving.note), folder=folder)
         self.host.ask(_(saving.title), note, proposed, partial(self.save, name))
 
     def save(self, name: str, text: str) -> None:
-        """Write a kind of file to the path `text`. If the file exists, ask first."""
+        """Write the file of the saving `name` to the path `text`. If the file exists, ask before replacing it."""
         saving = self.savings[name]
         try:
             path = typed_path(text, saving.endings)
@@ -284,7 +291,7 @@ class SaveDialogs:
             self.host.settings.remember(path)
 
     def toggle_film(self) -> None:
-        """Start recording a film, or stop."""
+        """Start recording a film, or stop and write it."""
         if self.film.recording:
             self.film.end()
         else:
@@ -302,9 +309,9 @@ class SaveDialogs:
 
 
 def share_page(session: Session, path: Path, live: bool = False) -> None:
-    """Write a web page with the recorded motion of a session up to the current frame.
+    """Write a web page with the motion of a session up to the current frame.
 
-    If `live`, or if nothing has been recorded yet, the page simulates the scene instead.
+    If `live`, or if no motion has been recorded yet, the page simulates the scene instead.
 
     Raises:
         UserError: the page cannot be written.
@@ -314,7 +321,7 @@ def share_page(session: Session, path: Path, live: bool = False) -> None:
         scene = session.to_scene() if live else session.shown_scene()
     except ValueError as error:
         raise UserError(_("this cannot be shared: {error}", error=error_words(error))) from None
-    with english():  # Pages are always in English.
+    with english():  # Web pages are always in English.
         if live or any(trajectory.time.size <= 1 for trajectory in found):
             render_page(scene, path)
         else:

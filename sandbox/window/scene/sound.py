@@ -1,4 +1,4 @@
-"""The sound of a scene: clicks at impacts and, optionally, a tone for the force of each contact; all computed from
+"""The sound of a scene: clicks at impacts and, optionally, a tone for the force of each contact. All sounds are made of
 sines.
 """
 
@@ -19,17 +19,17 @@ OVERTONE = 2.5  # Frequency of the second sine, relative to the first.
 DECAY = 90.0  # Decay rate of a click in 1/s.
 PEAK = 0.6  # Peak of a click, as a fraction of the largest possible sample.
 LEAST_VOLUME = 0.15  # Volume of the slowest impact, as a fraction of full volume.
-# Pitches of the tones in Hz. They are about a third apart, so that they sound together.
+# Pitches of the tones in Hz. Neighbouring pitches are about a third apart, so the tones sound well together.
 TONES = 131.0, 165.0, 196.0, 247.0, 294.0, 349.0, 440.0, 523.0
-# Duration in seconds of a tone before it repeats. It contains whole periods, because all TONES are whole numbers.
+# Duration in seconds of a tone before it repeats. A tone contains whole periods, because all TONES are whole numbers.
 TONE_SECONDS = 1.0
-TONE_VOLUME = 0.3  # Volume for the largest force, low enough that the sum of all tones does not clip.
-TONE_CURVE = 0.5  # Exponent of the loudness as a function of the force. A value below 1 makes small forces audible.
-CLICK_CHANNELS = 8  # Channels of the mixer for impacts.
+TONE_VOLUME = 0.3  # Volume of a tone at the largest force. It is low enough that the sum of all tones does not clip.
+TONE_CURVE = 0.5  # Exponent of the loudness as a function of the force. An exponent below 1 makes small forces audible.
+CLICK_CHANNELS = 8  # Number of mixer channels for impacts.
 
 
 class Clicks:
-    """The sounds of impacts. Creating it opens the mixer and raises pygame.error if the system has no sound."""
+    """The sounds of impacts. The constructor opens the mixer and raises pygame.error if the system has no sound."""
 
     def __init__(self) -> None:
         pygame.mixer.init(frequency=RATE, size=-16, channels=1, buffer=256)
@@ -38,14 +38,15 @@ class Clicks:
         self._sounds = [pygame.mixer.Sound(buffer=click(pitch)) for pitch in PITCHES]
 
     def click(self, loudness: float, contact: int) -> None:
-        """Play the click of a contact. An impact at the scene's own speed has `loudness` 1."""
+        """Play the click of a contact. `loudness` is 1 for an impact at the closing speed of the scene."""
         sound = self._sounds[contact % len(PITCHES)]
         sound.set_volume(min(1.0, LEAST_VOLUME + (1.0 - LEAST_VOLUME) * loudness))
         sound.play()
 
 
 class ForceTones:
-    """A tone for each of the first contacts, on the reserved channels of the open mixer.
+    """Tones for the forces of the first contacts, one tone per contact. They use the reserved channels of the open
+    mixer.
 
     Attributes:
         volumes: present volumes of the tones.
@@ -59,7 +60,7 @@ class ForceTones:
             channel.set_volume(0.0)
 
     def sound(self, shares: Sequence[float]) -> None:
-        """Set the volume of each tone from the force of its contact, given as a fraction of the largest force."""
+        """Set the volume of each tone. `shares` are the forces of the contacts as fractions of the largest force."""
         for k, channel in enumerate(self._channels):
             share = min(max(shares[k], 0.0), 1.0) if k < len(shares) else 0.0
             self.volumes[k] = TONE_VOLUME * share**TONE_CURVE
@@ -67,14 +68,14 @@ class ForceTones:
 
 
 def click(pitch: float) -> bytes:
-    """Return the samples of a click: two decaying sines."""
+    """Return the samples of a click. It consists of two decaying sines."""
     time = np.arange(round(RATE * SECONDS)) / RATE
     sines = np.sin(2 * np.pi * pitch * time) + 0.5 * np.sin(2 * np.pi * OVERTONE * pitch * time)
     return (PEAK * 32767 / 1.5 * np.exp(-DECAY * time) * sines).astype(np.int16).tobytes()
 
 
 def tone(pitch: float) -> bytes:
-    """Return the samples of a tone: whole periods of a sine with a soft octave, so that it can be repeated without a
+    """Return the samples of a tone: a sine with a soft octave. Both have whole periods, so the tone repeats without a
     break.
     """
     time = np.arange(round(RATE * TONE_SECONDS)) / RATE
@@ -82,13 +83,13 @@ def tone(pitch: float) -> bytes:
     return (PEAK * 32767 / 1.3 * sines).astype(np.int16).tobytes()
 
 
-MOST_AT_ONCE = 4  # Largest number of impacts in one frame that sound.
+MOST_AT_ONCE = 4  # Largest number of impacts in one frame that make a sound.
 
 
 class SceneSound:
-    """The sound of a session. One key switches from silence to clicks, to clicks with tones, and back.
+    """The sound of a session. One key switches from silence to clicks, to clicks with tones, and back to silence.
 
-    It sounds while the clock runs; `activity` returns the state of the clock.
+    The scene makes sounds while the clock runs. `activity` returns the state of the clock.
 
     Attributes:
         clicks: clicks of impacts, or None while the sound is off.
@@ -101,7 +102,7 @@ class SceneSound:
         self.tones: ForceTones | None = None
 
     def toggle(self) -> None:
-        """Switch to the next sound: clicks, clicks and tones of the forces, silence."""
+        """Switch to the next sound: clicks, clicks with tones of the forces, or silence."""
         if self.tones is not None:
             self.close()
             self.host.messages.show(_("sound off"))
@@ -117,8 +118,9 @@ class SceneSound:
             self.host.messages.show(_("sound is not available: {error}", error=error), warning=True)
 
     def update(self, greatest_force: float) -> None:
-        """Play the impacts of the last tick. Set the tones to the present forces relative to the largest force of the
-        scene [N].
+        """Play the impacts of the last tick, and set the tones to the present forces.
+
+        The forces are relative to `greatest_force` [N], the largest force of the scene.
         """
         playing = self.activity() != "paused"
         if self.clicks is not None and playing:
