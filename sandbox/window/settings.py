@@ -1,4 +1,4 @@
-"""Settings of the window that are kept between sessions."""
+"""Settings of the window that are stored in a file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from softcradle.sandbox.languages import ENGLISH, LANGUAGES, VARIABLES, language
 
 FILE = "window.json"
 MOST_RECENT = 6  # Number of recent files that are stored.
-SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)  # Scales between which the keys switch.
+SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0)  # Scales that the user can select with keys.
 
 
 def settings_path() -> Path:
@@ -68,10 +68,10 @@ class Settings:
         return loaded
 
     def keep(self, **changed: Any) -> None:
-        """Change the given settings and write only these to the file, because another window may have changed the
-        others.
+        """Change the given settings and write them to the file. Other settings in the file are not touched, because
+        another window may have changed them.
 
-        Nothing is stored if the folder is not writable.
+        If the folder is not writable, nothing is stored.
         """
         vars(self).update(changed)
         path, kept = settings_path(), asdict(replace(Settings.load(), **changed))
@@ -83,11 +83,12 @@ class Settings:
             return
 
     def remember(self, path: str | Path) -> None:
-        """Put `path` at the head of the recent files, if it is a file."""
+        """Put `path` at the head of the recent files, if it is the path of a file."""
         try:
             found = Path(os.path.expanduser(path))
             whole = str(found.resolve()) if found.is_file() else ""
-        except (OSError, RuntimeError, ValueError):  # A scene passed as text is longer than any valid path.
+        # The text of a scene may be given instead of a path, and is longer than any valid path.
+        except (OSError, RuntimeError, ValueError):
             return
         if whole:
             files = dict.fromkeys([whole, *Settings.load().recent, *self.recent])
@@ -95,8 +96,9 @@ class Settings:
 
 
 def system_language() -> str:
-    """Return the code of the system's language, from the environment variables or, if they are not set, from SDL
-    (Windows, macOS).
+    """Return the code of the system's language. It is read from environment variables.
+
+    If these are not set, SDL reports the language (Windows, macOS).
     """
     if any(os.environ.get(name) for name in VARIABLES):
         return language_of_environment()

@@ -1,4 +1,6 @@
-"""The theme of the widgets: font, colours of the current palette and scaled lengths; also the cleanup of their memory."""
+"""The theme of the widgets: font, colours of the current palette and scaled lengths. It also frees memory of old
+widgets.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +19,10 @@ from softcradle.sandbox.languages import language
 
 
 def collect_garbage() -> None:
-    """Free unreachable objects now, and exclude all others from later collections, which would interrupt the motion.
+    """Free unreachable objects now. Exclude all other objects from later collections, which would interrupt the motion.
 
-    Without this call, Python would collect minutes and about 100 MB later, and it never examines frozen objects.
+    Without this call, Python would free the objects minutes and about 100 MB later. Python never examines excluded
+    objects.
     """
     gc.unfreeze()
     gc.collect()
@@ -28,9 +31,10 @@ def collect_garbage() -> None:
 
 
 def _trim_heap() -> None:
-    """Return free parts of the heap to the system: surfaces of many sizes leave about 50 MB of them per hour.
+    """Return free parts of the heap to the operating system. Surfaces of many sizes leave about 50 MB of free parts per
+    hour.
 
-    Only glibc has a function for it; on other systems nothing happens.
+    Only glibc has a function for this purpose. On other systems nothing happens.
     """
     with contextlib.suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).malloc_trim(0)
@@ -55,9 +59,10 @@ def _theme() -> dict[str, Any]:
 
 
 def manager(size: tuple[int, int], unit: float) -> pygame_gui.UIManager:
-    """Return an empty widget manager for a window of `size`; `unit` is the number of pixels per design pixel."""
+    """Return an empty widget manager for a window of `size`. `unit` is the number of pixels per design pixel."""
     created = pygame_gui.UIManager(size, enable_live_theme_updates=False, starting_language=language())
-    set_default_manager(created)  # Otherwise pygame_gui would keep the first manager and all its widgets for ever.
+    # Replace the default manager. Otherwise pygame_gui would keep the first manager and all its widgets for ever.
+    set_default_manager(created)
     regular, bold = str(resource("Inter-Regular.otf")), str(resource("Inter-SemiBold.otf"))
     created.add_font_paths("inter", regular, bold, regular, bold)
     created.get_theme().load_theme({name: _scaled(block, unit) for name, block in _theme().items()})
@@ -65,7 +70,7 @@ def manager(size: tuple[int, int], unit: float) -> pygame_gui.UIManager:
 
 
 def _scaled(block: dict[str, Any], unit: float) -> dict[str, Any]:
-    """Return a block of the theme with scaled lengths."""
+    """Return `block`, a part of the theme, with scaled lengths."""
     scaled = {key: dict(value) for key, value in block.items()}
     for key, value in scaled.get("colours", {}).items():
         scaled["colours"][key] = colour_code(value)
@@ -79,7 +84,8 @@ def _scaled(block: dict[str, Any], unit: float) -> dict[str, Any]:
 def colour_code(text: str) -> str:
     """Return the hexadecimal code of a colour.
 
-    `text` is the name of a tone, or a mixture: "grid 20 accent" is grid with 20 % of accent.
+    `text` is the name of a colour in the palette, or a mixture. For example, "grid 20 accent" is grid with 20 % of
+    accent.
     """
     if text == "none":
         return TRANSPARENT

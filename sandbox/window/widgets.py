@@ -1,5 +1,5 @@
-"""Widgets that pygame_gui lacks: a slider with click and key support, a named text field, the pair of both for a
-number, and icons.
+"""Widgets that pygame_gui lacks: a slider with mouse and key support, a named text field, a control for a number, and
+icons.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from softcradle.sandbox.session.editable_numbers import Parameter
 from softcradle.sandbox.story.numbers import MINUS
 from softcradle.sandbox.window.page import Host
 
-STEP = 0.02  # Share of a slider that an arrow key moves: more than the distance of two round values of a linear slider.
-PAGE = 0.1  # Fraction of the range by which Page Up and Page Down move.
+# Fraction of the range by which an arrow key moves a slider. It is larger than the distance between two round values of
+# a linear slider.
+STEP = 0.02
+PAGE = 0.1  # Fraction of the range by which Page Up and Page Down move a slider.
 ENTRY = 92.0  # Width of the text field of a number in design pixels.
 SWEEP = 26.0  # Width of the button for a sweep in design pixels.
-PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)  # Keys that press the button in focus.
+PRESS = (pygame.K_RETURN, pygame.K_KP_ENTER, pygame.K_SPACE)  # Keys that press the button that has the focus.
 KEYS = {
     pygame.K_LEFT: -STEP,
     pygame.K_DOWN: -STEP,
@@ -40,7 +42,7 @@ class Slider(UIHorizontalSlider):
     """A slider from 0 to 1."""
 
     def process_event(self, event: pygame.Event) -> bool:
-        """Move the button to a press on the track; the user can then drag it on."""
+        """Move the slider's button to a mouse press on the track. The user can then drag it further."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1 and self.is_enabled:
             button, point = self.sliding_button, self.ui_manager.calculate_scaled_mouse_position(event.pos)
             if button is not None and self.rect.collidepoint(point) and not button.rect.collidepoint(point):
@@ -51,7 +53,7 @@ class Slider(UIHorizontalSlider):
         return bool(super().process_event(event))
 
     def move_by(self, step: float) -> None:
-        """Move the value by `step`, as a fraction of the range. The arrow keys use this."""
+        """Move the value by `step`, a fraction of the range. The arrow keys use this method."""
         self._move_to(self.get_current_value() + step)
 
     def _move_to(self, share: float) -> None:
@@ -66,14 +68,14 @@ class Slider(UIHorizontalSlider):
             self.sliding_button.set_relative_position((self.scroll_position + self.arrow_button_width, 0))
 
 
-REPEAT = 350, 45  # Milliseconds until a held key repeats, and between its repeats.
+REPEAT = 350, 45  # Milliseconds until a held key repeats, and milliseconds between two repetitions.
 
 
 class _Typed(UIElement):
-    """A text field."""
+    """Base class of text fields."""
 
     def unfocus(self) -> None:
-        """Remove the focus and restore the key repetition, which pygame_gui switches off."""
+        """Remove the focus, and switch the key repetition on again. pygame_gui switches it off."""
         super().unfocus()
         pygame.key.set_repeat(*REPEAT)
 
@@ -114,7 +116,7 @@ SHAPES: dict[str, Shape] = {
 
 
 def _restart(fine: pygame.Surface, colour: Colour, centre: Point, size: float) -> None:
-    """Draw an arrow along a circle."""
+    """Draw the icon for a restart: an arrow along a circle."""
     box = pygame.Rect(0, 0, round(1.7 * size), round(1.7 * size))
     box.center = (round(centre[0]), round(centre[1]))
     pygame.draw.arc(fine, colour, box, 0.9, 6.6, max(2, round(0.26 * size)))
@@ -153,8 +155,9 @@ def fits(text: str, rect: pygame.Rect, size: float) -> bool:
 
 
 def write_wrapped(surface: pygame.Surface, text: str, rect: pygame.Rect, size: float, tint: Colour) -> float:
-    """Draw the lines of `text` that fit into `rect`, and an ellipsis if lines are left out. Return the bottom edge of
-    the text.
+    """Draw the lines of `text` that fit into `rect`. Return the bottom edge of the text.
+
+    An ellipsis is drawn if lines are left out.
     """
     lines, pitch = wrapped(text, size, rect.width), 1.4 * size
     room = max(0, int(rect.height // pitch))
@@ -165,8 +168,8 @@ def write_wrapped(surface: pygame.Surface, text: str, rect: pygame.Rect, size: f
 
 
 def paint_whole(surface: pygame.Surface, text: str, corner: tuple[int, int], wide: int, unit: float) -> None:
-    """Draw the complete `text` in a box whose lower right corner is `corner`. It is used for a text that is cut
-    elsewhere.
+    """Draw the complete `text` in a box with the lower right corner `corner`. It is used for a text that does not fit
+    on the page.
     """
     size, room = 13 * unit, wide - 24 * unit
     box = pygame.Rect(0, 0, wide, round(1.4 * size * len(wrapped(text, size, room)) + 20 * unit))
@@ -180,8 +183,8 @@ def paint_whole(surface: pygame.Surface, text: str, corner: tuple[int, int], wid
 def split(rect: pygame.Rect, sizes: Sequence[float], unit: float, gap: float = 8.0) -> list[pygame.Rect]:
     """Divide `rect` into rectangles side by side.
 
-    `sizes` are their widths and `gap` is their distance [design pixels]. Rectangles of size 0 share the remaining
-    width.
+    `sizes` are the widths of the rectangles and `gap` is the distance between them [design pixels]. Rectangles of size
+    0 share the remaining width.
     """
     spare = rect.width - unit * (sum(sizes) + gap * (len(sizes) - 1))
     share = max(0.0, spare / max(1, list(sizes).count(0)))
@@ -194,15 +197,17 @@ def split(rect: pygame.Rect, sizes: Sequence[float], unit: float, gap: float = 8
 
 
 def stack(rect: pygame.Rect, heights: Sequence[float], unit: float, gap: float = 8.0) -> list[pygame.Rect]:
-    """Divide `rect` into rectangles below each other, as `split` does from left to right."""
+    """Divide `rect` into rectangles below each other. It corresponds to `split`, which divides from left to right."""
     turned = split(pygame.Rect(rect.top, rect.left, rect.height, rect.width), heights, unit, gap)
     return [pygame.Rect(one.top, one.left, one.height, one.width) for one in turned]
 
 
 def number(text: str) -> float:
-    """Return a typed number such as 0.1, 1e-3 or 1/14. A decimal comma and a typographic minus sign are accepted.
+    """Return the number in `text`, such as 0.1, 1e-3 or 1/14. A decimal comma and a typographic minus sign are
+    accepted.
 
-    Raise ValueError if the text is not a finite number. (A wall is made with its button, not by typing 1e999.)
+    Raise ValueError if the text is not a finite number. A bead is made a wall with a button, not by typing 1e999 as its
+    mass.
     """
     cleaned = text.replace(MINUS, "-").replace(",", ".").strip()
     numerator, slash, denominator = cleaned.partition("/")
@@ -216,7 +221,7 @@ def number(text: str) -> float:
 
 @dataclass
 class Control:
-    """The widgets of one parameter.
+    """The widgets of one parameter: its slider and its text field.
 
     Attributes:
         shown: value in the text field.
@@ -236,8 +241,8 @@ class Control:
         return bool(self.slider.sliding_button is not None and self.slider.sliding_button.held)
 
     def left_text(self) -> str | None:
-        """Return the typed text if the field has lost the focus since the last frame and its number has changed;
-        otherwise None.
+        """Return the typed text after the field has lost the focus in this frame, if its number has changed. Otherwise
+        return None.
         """
         left, self.typed = self.typed and not self.entry.is_focused, self.entry.is_focused
         return self.new_text() if left else None
@@ -245,7 +250,7 @@ class Control:
     def new_text(self) -> str | None:
         """Return the text in the field if it differs from the displayed form of the value, otherwise None.
 
-        The value itself has more digits than the field displays.
+        Text and value cannot be compared directly, because the value has more digits than the field displays.
         """
         text = str(self.entry.get_text())
         return text if text != number_text(self.shown) else None
@@ -271,7 +276,7 @@ class Control:
 def parameter_control(
     host: Host, rect: pygame.Rect, parameter: Parameter, y: float, sweep: Callable[[], None] | None = None
 ) -> Control:
-    """Create the widgets of `parameter` in the panel `rect`, below the height `y`. If there is a `sweep`, add a button
+    """Create the widgets of `parameter` in the panel `rect`, below the height `y`. If `sweep` is given, add a button
     for it.
     """
     unit, manager, left, right = host.unit, host.manager, rect.left, rect.right
@@ -282,7 +287,8 @@ def parameter_control(
     button = None
     if sweep:
         tip = _("{name}: try nine values at once", name=_(parameter.name))
-        top, foot = entry.rect.bottom, round(y + 39 * unit)  # The text of the button is higher than the slider.
+        # Make the button higher than the slider, because its text needs more height.
+        top, foot = entry.rect.bottom, round(y + 39 * unit)
         place = pygame.Rect(right - wide, top, wide, foot - top)
         button = UIButton(place, "…", manager, object_id="#chip", tool_tip_text=tip, command=sweep)
     slider = Slider(bar, parameter.share(), (0.0, 1.0), manager)
@@ -290,7 +296,5 @@ def parameter_control(
 
 
 def number_text(value: float) -> str:
-    """Return a number as the text field displays it. NaN, which stands for several different values, gives an empty
-    text.
-    """
+    """Return a number as the text field displays it. NaN stands for several different values and gives an empty text."""
     return "" if math.isnan(value) else localized(f"{value:.5g}")

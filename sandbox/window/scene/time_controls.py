@@ -1,4 +1,6 @@
-"""The foot of the page: the timeline, which is dragged to look back; time buttons, slow motion and the clock."""
+"""The bottom of the page: the timeline, the time buttons, the slow motion and the clock. The timeline is dragged to
+look back.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +26,9 @@ from softcradle.sandbox.window.page_geometry import MARGIN
 from softcradle.sandbox.window.plots.board import PlotBoard
 from softcradle.sandbox.window.widgets import Slider, draw_icon
 
-GROWTH = 1.5  # Number of frames that the width represents, relative to the length of the history.
-LEAST_FRAMES = 6 * FRAME_RATE  # Number of frames that the width represents at first.
-PICTURES_BETWEEN_READINGS = 12  # Number of frames between two searches for new events (a fifth of a second).
+GROWTH = 1.5  # Number of frames that the width of the timeline represents, relative to the length of the history.
+LEAST_FRAMES = 6 * FRAME_RATE  # Number of frames that the width of the timeline represents at first.
+PICTURES_BETWEEN_READINGS = 12  # Number of frames between two searches for new contact events: a fifth of a second.
 
 
 class Timeline:
@@ -44,7 +46,8 @@ class Timeline:
         self.frames, self.dragged = LEAST_FRAMES, False
         self.events: ContactEvents | None = None
         self._ticks = pygame.Surface((1, 1), pygame.SRCALPHA, 32)
-        self._last, self._age = -1, 0  # Newest frame whose events were read, and number of frames drawn since then.
+        # Newest frame whose events were read, and number of frames drawn since these events were read.
+        self._last, self._age = -1, 0
         self._read = Derived(self._read_of, self._read_events)
 
     @property
@@ -85,7 +88,7 @@ class Timeline:
         return False
 
     def make_room(self) -> None:
-        """Change the number of frames that the width represents if the history has become longer or much shorter."""
+        """Change the number of frames that the width represents, if the history has become longer or much shorter."""
         first, last = self.bounds
         if not self.frames / GROWTH**2 <= last - first <= self.frames:
             self.frames = max(LEAST_FRAMES, round(GROWTH * (last - first)))
@@ -98,12 +101,12 @@ class Timeline:
             self.session.scrub_frame(int(chosen[0]))
 
     def update(self) -> None:
-        """Adapt the width to the number of frames; called once per frame."""
+        """Adapt the number of frames that the width represents. This is called once per frame."""
         self.make_room()
         self._age += 1
 
     def follow(self) -> None:
-        """Draw the contact events again if they have changed; new events are added from time to time."""
+        """Draw the contact events again if they have changed. New events are added from time to time."""
         self._read.follow()
 
     def _read_of(self) -> object:
@@ -117,9 +120,10 @@ class Timeline:
         self._ticks = self._drawn_ticks(self.events)
 
     def _drawn_ticks(self, events: ContactEvents) -> pygame.Surface:
-        """Return a transparent surface with a tick for each event, at most one per pixel and kind.
+        """Return a transparent surface with a tick for each contact event. There is at most one tick per pixel and
+        kind.
 
-        Ticks of closing contacts point up from the middle, ticks of opening contacts point down.
+        Ticks of closing contacts point up from the middle. Ticks of opening contacts point down.
         """
         surface = pygame.Surface(self.rect.size, pygame.SRCALPHA, 32)
         colours = bead_colours(max(lane.chain.contacts for lane in self.session.lanes) + 1)
@@ -155,7 +159,7 @@ class Timeline:
         pygame.draw.rect(surface, tones.foreground, knob, border_radius=round(2 * unit))
 
     def paint_reading(self, surface: pygame.Surface, point: tuple[int, int]) -> None:
-        """Draw the time at the pointer."""
+        """Draw the time that belongs to the position of the pointer."""
         if not (self.rect.collidepoint(point) or self.dragged):
             return
         first, last = self.bounds
@@ -169,22 +173,24 @@ class Timeline:
 
 
 SLOWEST = 1000.0  # Slowest motion: wall time in seconds for one second of model time.
-# Slow motions between which the keys switch.
+# Values of the slow motion that can be selected with keys.
 SLOW_MOTIONS = FASTEST, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, SLOWEST
 BUTTONS = ("first", "back", "play_pause", "forward", "last", "restart", "fit")
-FEW = ("play_pause", "restart")  # Buttons in Explore.
+FEW = ("play_pause", "restart")  # Buttons that Explore shows.
 
-MOVING = ("playing", "replaying")  # States of the clock that can be paused.
-LATE = 0.95  # Speed of the clock relative to the wanted speed, below which the page shows that the clock is slow.
-VERY_LATE = 0.70  # Relative speed below which this is a warning, because the slower motion is visible.
-SLOW_ROOM, GAP = 190.0, 24.0  # Width of the slider, and distance between groups, in design pixels.
+MOVING = ("playing", "replaying")  # States of the clock in which it can be paused.
+# Smallest speed of the clock that counts as on time, relative to the wanted speed. Below it, a text reports the slow
+# clock.
+LATE = 0.95
+VERY_LATE = 0.70  # Relative speed of the clock below which the text is a warning, because the slower motion is visible.
+SLOW_ROOM, GAP = 190.0, 24.0  # Width of the slider, and distance between groups of controls, in design pixels.
 CLOCK_ROOM = 240.0  # Width of the clock and its note in design pixels.
-# Smallest width in design pixels for messages next to the clock. With less space, messages appear on the timeline.
+# Smallest width in design pixels for messages next to the clock. If there is less space, messages cover the timeline.
 MESSAGE_ROOM = 260.0
 
 
 class TimeControls:
-    """Time buttons, the slider of the slow motion, and the clock; `activity` returns the state of the clock.
+    """Time buttons, the slider of the slow motion, and the clock. `activity` returns the state of the clock.
 
     Attributes:
         slow: wall time in seconds for one second of model time.
@@ -194,11 +200,11 @@ class TimeControls:
         self.host, self.activity, self.slow = host, activity, 1.0
         self.buttons: dict[str, UIButton] = {}
         self.why: UIButton | None = None
-        self.explained = True  # True if there is something to explain.
+        self.explained = True  # True if there is a collision that can be explained.
         self.slider: Slider | None = None
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]]) -> None:
-        """Create the widgets inside `rect`; they perform the page's `actions`."""
+        """Create the widgets inside `rect`. They perform the `actions` of the page."""
         self.rect, unit, x = rect, self.host.unit, rect.left
         self.buttons, side = {}, round(34 * unit)
         for name in FEW if self.host.explore else BUTTONS:
@@ -224,12 +230,12 @@ class TimeControls:
         self.clock_left = place.right + round(GAP * unit)
 
     def follow_why(self) -> None:
-        """Enable the button "Why?" if there is something to explain."""
+        """Enable the button "Why?" if the motion contains a collision that can be explained."""
         if self.why is not None and self.why.is_enabled != self.explained:
             (self.why.enable if self.explained else self.why.disable)()
 
     def beside(self, footer: pygame.Rect) -> pygame.Rect:
-        """Return the rectangle of the `footer` next to the clock; if it is too narrow, the rectangle of the timeline."""
+        """Return the part of the `footer` next to the clock. If it is too narrow, return the rectangle of the timeline."""
         unit = self.host.unit
         left, high = self.clock_left + round(CLOCK_ROOM * unit), round(50 * unit)
         if footer.right - left > MESSAGE_ROOM * unit:
@@ -237,11 +243,11 @@ class TimeControls:
         return pygame.Rect(footer.left, footer.top, footer.width, round(40 * unit))
 
     def _share(self) -> float:
-        """Return the position of the slow motion on the slider, from 0 to 1."""
+        """Return the position of the slow motion on its slider, from 0 to 1."""
         return min(max(math.log(self.slow / FASTEST) / math.log(SLOWEST / FASTEST), 0.0), 1.0)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle events of the slider."""
+        """Handle events of the slider of the slow motion."""
         if event.type == pygame_gui.UI_HORIZONTAL_SLIDER_MOVED and event.ui_element is self.slider:
             slow = FASTEST * (SLOWEST / FASTEST) ** event.value
             self.set_slow(float(f"{slow:.3g}"))
@@ -260,11 +266,11 @@ class TimeControls:
             beyond = [slow for slow in SLOW_MOTIONS if slow > self.slow * 1.001]
         else:
             beyond = [slow for slow in reversed(SLOW_MOTIONS) if slow < self.slow * 0.999]
-        if beyond:  # a scene may begin slower, or faster, than all of them
+        if beyond:  # The list is empty if the slow motion of the scene lies outside the range of the keys.
             self.set_slow(beyond[0])
 
     def paint_clock(self, surface: pygame.Surface, clock: str, note: str, late: bool = False) -> None:
-        """Draw the icons on the buttons, the slow motion, the time and a note below it."""
+        """Draw the icons on the buttons, the slow motion, the time `clock`, and the `note` below the time."""
         unit, above = self.host.unit, self.rect.centery - 17 * self.host.unit
         for name, button in self.buttons.items():
             icon = ("pause" if self.activity() in MOVING else "play") if name == "play_pause" else name
@@ -277,8 +283,9 @@ class TimeControls:
 
 
 class SceneTimeControls(TimeControls):
-    """The time controls of a session. The slow motion is an input of the session, and the `note` is shown below the
-    time.
+    """The time controls of a session. A change of the slow motion is an input of the session.
+
+    The text of `note` is shown below the time.
     """
 
     def __init__(
@@ -292,11 +299,12 @@ class SceneTimeControls(TimeControls):
     ) -> None:
         super().__init__(host, activity)
         self.session, self.board, self.note, self.may_edit, self.slow = session, board, note, may_edit, session.slow
-        self._set: float | None = None  # slow motion that is applied when the scene plays on
+        self._set: float | None = None  # Slow motion that is applied when the scene continues to play.
 
     def set_slow(self, slow: float) -> None:
-        """Set the slow motion. It is applied as soon as an edit loses nothing; until then it only changes the pace of a
-        replay.
+        """Set the slow motion. It is applied as soon as an edit loses no frames.
+
+        Until then it only changes the pace of a replay.
         """
         super().set_slow(slow)
         self._set = self.slow
@@ -305,23 +313,28 @@ class SceneTimeControls(TimeControls):
 
     @property
     def wanted(self) -> float:
-        """The slow motion that was set, even if it is not applied yet."""
+        """The slow motion that the user has set, even if it is not applied yet."""
         return self.session.slow if self._set is None else self._set
 
     def apply_slow(self) -> None:
-        """Apply the slow motion that was set."""
+        """Apply the slow motion that the user has set."""
         if self._set is not None:
             self.session.apply(SetSlow(self._set))
             self._set = None
 
     def paint_over(self, surface: pygame.Surface) -> None:
-        """Draw icons and numbers. The slow motion is read again because an undo or a replay may have changed it."""
+        """Draw icons and numbers. The slow motion is read from the session again, because an undo or a replay may have
+        changed it.
+        """
         self.slow = self.wanted
         self.paint_clock(surface, f"t = {self.board.span.clock(self.session.time)}", *self.note())
 
 
 def late_note(pacer: FramePacer) -> tuple[str, bool]:
-    """Return a text about a slow clock, and if it is a warning. The text is empty if the clock is on time."""
+    """Return a text about a clock that is slower than wanted. It is empty if the clock is on time.
+
+    The second value is True if the text is a warning.
+    """
     ratio = pacer.clock_ratio
     text = "" if ratio >= LATE else _("slower than shown: {percent:.0f} %", percent=100 * ratio)
     return text, ratio < VERY_LATE

@@ -1,4 +1,4 @@
-"""The toolbar above a page: back to the gallery, undo and redo, and menus with less frequent actions."""
+"""The toolbar above a page. It contains a button to the gallery, undo and redo, and menus with less frequent actions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from softcradle.sandbox.window.page import Host
 from softcradle.sandbox.window.plots.kinds import PLOT_KINDS
 from softcradle.sandbox.window.scene.save_dialogs import WindowFilm
 
-# Text of each button on the right, by action or menu. FEW lists the buttons in Explore, MENUS the actions of each menu.
+# Text of each button on the right, by action or menu. FEW lists the buttons of Explore. MENUS lists the actions of each
+# menu.
 BUTTONS = {
     "film": "",
     "undo": N_("Undo"),
@@ -41,20 +42,21 @@ MENUS: dict[str, tuple[str, ...]] = {
         *("pause_at_end", "sound", "inspector", "larger", "smaller", "fullscreen", "theme", "language"),
     ),
 }
-MARGIN = 20.0  # Width of a button beyond its text, in design pixels.
+MARGIN = 20.0  # Width in design pixels by which a button is wider than its text.
 SPACE = 4.0  # Distance between two buttons in design pixels.
-LONGEST_CLOCK = "88:88"  # Longest duration that the button of a film can show. Its width is fixed from the beginning.
+# Longest duration that the button of a film can show. It determines the width of the button, which does not change.
+LONGEST_CLOCK = "88:88"
 TITLE_LEFT = 110.0  # Left edge of the title in design pixels.
 TITLE = 22.0  # Size of the title in design pixels.
 
 
 class Toolbar:
-    """The buttons, and the space that they leave for the title.
+    """The buttons of the toolbar, and the space between them for the title.
 
     Attributes:
         buttons: the buttons by action or menu.
         title_room: width between the buttons [pixels].
-        ticked: returns the names of the visible parts, which have a check mark in the menus.
+        ticked: function that returns the names of the visible parts, which have a check mark in the menus.
     """
 
     def __init__(
@@ -70,7 +72,7 @@ class Toolbar:
         self.actions = {name: partial(self.show_menu, name) for name in MENUS}
 
     def show_menu(self, name: str) -> None:
-        """Show the available actions of a menu, below its button. A menu without a button appears below the button
+        """Show the available actions of a menu below its button. A menu without a button appears below the button
         "More".
         """
         known = {**self.host.actions, **self.host.page.actions}
@@ -79,7 +81,7 @@ class Toolbar:
             self.host.put_over(Menu(self.host, button.rect.bottomright, names, self.ticked()))
 
     def build(self, rect: pygame.Rect, actions: Mapping[str, Callable[[], None]], leave: Callable[[], None]) -> None:
-        """Create the buttons."""
+        """Create the buttons of the toolbar."""
         self.rect, unit, manager, height = rect, self.host.unit, self.host.manager, round(30 * self.host.unit)
         y = rect.centery - height // 2
         place = pygame.Rect(round(12 * unit), y, round(84 * unit), height)
@@ -104,25 +106,23 @@ class Toolbar:
 
     @property
     def _shown(self) -> dict[str, str]:
-        """Action and text of each button at the present level. The button of a film exists only while a film is
-        recorded.
+        """Action and text of each button at the present level. The button that stops a film exists only during
+        recording.
         """
         few = {**{name: BUTTONS[name] for name in FEW}, "level": N_("Lab")}
         shown = few if self.host.explore else {name: text for name, text in BUTTONS.items() if name != "sound"}
         return {name: text for name, text in shown.items() if name != "film" or self.film.recording}
 
     def _is_known(self, name: str, actions: Mapping[str, object]) -> bool:
-        """Return True if the page has this action, or any action of this menu."""
+        """Return True if the page offers the action `name`, or any action of the menu `name`."""
         return name == "tools" or any(one in actions for one in MENUS.get(name, (name,)))
 
     def _stop(self, clock: str) -> str:
-        """Return the text of the button that stops the film."""
+        """Return the text of the button that stops the film. It contains the duration `clock`."""
         return _("Stop {time}", time=clock)
 
     def update(self) -> None:
-        """Enable the possible actions, and show the duration of the film on its button. That text changes once per
-        second.
-        """
+        """Enable the possible actions. Show the duration of a film on its button, which changes once per second."""
         if "film" in self.buttons:
             self.buttons["film"].set_text(self._stop(self.film.clock))
         stack = self.stack

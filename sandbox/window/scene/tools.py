@@ -1,4 +1,4 @@
-"""The tools of the page: table of values, clipboard, comparison with a second row, measured data, and the keys of the
+"""The tools of the page: table of values, clipboard, comparison with a second lane, measured data, and keys for the
 view.
 """
 
@@ -53,14 +53,16 @@ from softcradle.scenes import Scene
 
 
 class DataTool:
-    """Measured data drawn over the plots of a page, and the plot of two chosen signals."""
+    """Measured data that is drawn over the plots of a page. It also sets the two signals of the x-y plot."""
 
     def __init__(self, host: Host, session: Session, view: SceneView) -> None:
         self.host, self.session, self.view, self.board = host, session, view, view.board
         self.actions = {"data": self.ask, "signals": self.ask_signals}
 
     def ask(self) -> None:
-        """Ask for the path of a file to draw over the plots. If measured data is already there, remove it instead."""
+        """Ask for the path of a file to draw over the plots. If the plots already show measured data, remove it
+        instead.
+        """
         if any(self.board.overlays.values()):
             self.board.overlays.clear()
             self.host.messages.show(_("measured data removed"))
@@ -78,7 +80,7 @@ class DataTool:
             self.host.messages.show(wrong, warning=True)
 
     def take_file(self, text: str, point: tuple[int, int]) -> bool:
-        """Draw a file over the plot at `point`, or over the usual plot. Return True if the file is a table or a
+        """Draw a file over the plot at `point`, or over the default plot. Return True if the file is a table or a
         picture.
         """
         path = Path(os.path.expanduser(text))
@@ -95,7 +97,9 @@ class DataTool:
         return True
 
     def _plot(self, kind: str, point: tuple[int, int] = (-1, -1)) -> tuple[tuple[str, int], Plot]:
-        """Return the key and the plot of a kind: the plot at `point`, or another one, which is shown if necessary."""
+        """Return the key and the plot of a kind. This is the plot at `point` or another one, which is shown if
+        necessary.
+        """
         under = self.board.plot_at(point)
         if under is not None and self.board.keys[self.board.plots.index(under)][0] == kind:
             return self.board.keys[self.board.plots.index(under)], under
@@ -129,8 +133,9 @@ class DataTool:
         self.host.messages.show(text)
 
     def _measured_kind(self, path: Path, data: MeasuredTable, point: tuple[int, int]) -> str:
-        """Return the kind of plot for a table: the plot at `point` if it fits, otherwise the first kind with a measured
-        quantity.
+        """Return the kind of plot for a table of measured data.
+
+        This is the kind of the plot at `point` if it fits the data, otherwise the first kind for a measured quantity.
         """
         kinds = [kind for kind, quantity in MEASURED_KINDS.items() if data.along_row(quantity)]
         if not kinds:
@@ -160,7 +165,7 @@ class DataTool:
             self.host.messages.show(str(error), warning=True)
 
     def ask_signals(self) -> None:
-        """Ask which two signals to plot against each other."""
+        """Ask for the two signals of the x-y plot."""
         vertical, horizontal = self.board.pair
         text = _("{vertical} against {horizontal}", vertical=vertical, horizontal=horizontal)
         self.host.ask(_("Plot one signal against another"), _(KEY), text, self._take_signals)
@@ -175,7 +180,7 @@ class DataTool:
 
 
 def _too_many(path: Path, columns: int, curves: int) -> str:
-    """Return the sentence for a table with more columns than the plot has curves."""
+    """Return a sentence about a table that has more columns than the plot has curves."""
     return ngettext(
         "{path}: has {columns} columns of this quantity, and the plot has {n} curve",
         "{path}: has {columns} columns of this quantity, and the plot has {n} curves",
@@ -189,13 +194,13 @@ STEEL = N_("steel balls")
 
 
 def beside_other_balls(session: Session) -> Scene:
-    """Return the first lane of a session together with a second lane for the same blow with other balls.
+    """Return a scene that compares the first lane of a session with other balls in the same collision.
 
     The second lane has steel balls, or soft beads if the first lane already has steel balls. Raise ValueError if the
     contacts are couplers or user-defined, or if the state cannot be written as a scene file.
     """
     scene = beside_itself(session.to_scene())
-    # A new session, because the present one may have edits that are later than the current frame.
+    # Use a new session, because the present one may have edits that are later than the current frame.
     other = Session(scene)
     chain, speed = other.lanes[0].chain, other.lanes[0].setup.speed
     steel = has_soft_contacts(chain)
@@ -217,7 +222,10 @@ def beside_other_balls(session: Session) -> Scene:
 
 
 def worth_comparing(session: Session) -> bool:
-    """Return True if a scene shows its effect best next to steel balls: one row of soft beads that nothing else moves."""
+    """Return True if a comparison with steel balls shows the effect of a scene best.
+
+    Such a scene has a single lane of soft beads, without drives, brakes, bed or walls.
+    """
     chain = session.lanes[0].chain
     free = not (chain.piecewise or chain.driven or chain.brakes or chain.on_bed or chain.walls)
     soft = chain.contacts > 1 and has_soft_contacts(chain)
@@ -225,8 +233,9 @@ def worth_comparing(session: Session) -> bool:
 
 
 def beside_itself(scene: Scene) -> Scene:
-    """Return the first lane of a scene together with a copy of it, to be edited and compared. The text applies to both
-    lanes.
+    """Return a scene with the first lane of `scene` and a copy of this lane. The copy can be edited and compared.
+
+    The text of the scene applies to both lanes.
     """
     lane = scene.lanes[0].model_dump()
     words, label = words_for(scene, scene.lanes[:1]), lane["label"]
@@ -236,7 +245,7 @@ def beside_itself(scene: Scene) -> Scene:
 
 
 class ViewKeys:
-    """Actions that change the view; of the model they change only the method."""
+    """Actions with keys that change the view. One of them changes the method of the session."""
 
     def __init__(self, host: Host, editor: SceneEditor, board: PlotBoard, view: SceneView, cards: LaneCards) -> None:
         self.host, self.editor, self.board, self.view, self.cards = host, editor, board, view, cards
@@ -276,7 +285,7 @@ class ViewKeys:
         self.view.say_if_plots_have_no_room()
 
     def toggle_logarithmic(self) -> None:
-        """Switch between a logarithmic and a linear axis for overlaps."""
+        """Switch the axis for overlaps between logarithmic and linear."""
         self.board.logarithmic = not self.board.logarithmic
 
     def toggle_panel(self) -> None:
@@ -285,10 +294,10 @@ class ViewKeys:
 
 
 class SceneTools:
-    """Tools of one page. `open_scene` replaces the page by another scene and performs an action there.
+    """Tools of one page. `open_scene` replaces the page by another scene and performs an action on the new page.
 
     Attributes:
-        before: the scene with one row from which this comparison was made, or None.
+        before: the scene with a single lane from which this comparison was made, or None.
     """
 
     def __init__(
@@ -335,7 +344,7 @@ class SceneTools:
         self._copy(lambda: values_csv(self.session), _("the values are on the clipboard, as CSV"))
 
     def tell(self) -> None:
-        """Describe the motion in words. The text can be copied, for example to have it read aloud."""
+        """Describe the motion in words. The text can be copied, for example to be read aloud by another program."""
         text = summary_text(self.session)
         self.host.choose(
             _("What happened"),
@@ -357,21 +366,25 @@ class SceneTools:
             self.host.messages.show(done)
 
     def compare(self) -> None:
-        """Open the scene together with a copy of itself."""
+        """Open a scene that compares the present scene with a copy of itself."""
         self._open_beside(lambda: beside_itself(self.session.to_scene()))
 
     def compare_balls(self) -> None:
-        """Open the scene together with the same blow with steel balls or soft beads, and play both."""
+        """Open a scene that compares the present scene with steel balls or soft beads in the same collision, and play
+        both.
+        """
         self._keep_choice(beside=True)
         self._open_beside(lambda: beside_other_balls(self.session), "play_pause")
 
     def _keep_choice(self, beside: bool) -> None:
-        """Store whether Explore opens the next scenes next to steel balls."""
+        """Store the choice of the user: if `beside`, Explore opens the next scenes next to steel balls."""
         if self.host.explore:
             self.host.settings.keep(beside=beside)
 
     def _open_beside(self, make: Callable[[], Scene], then: str | None = None) -> None:
-        """Open the scene that `make` returns and perform the action `then`. Show a message if the scene cannot be made."""
+        """Open the scene that `make` returns and perform the action `then`. If the scene cannot be made, show a
+        message.
+        """
         try:
             scene = make()
         except ValueError as error:
@@ -381,7 +394,7 @@ class SceneTools:
         self.open_scene(scene, one, then)
 
     def alone(self) -> None:
-        """Return to the first row alone. It keeps the edits made here."""
+        """Return to a scene with the first lane only. It keeps the edits of this lane."""
         if len(self.session.lanes) == 1:
             self.host.messages.hint(_("there is one row"))
             return
@@ -396,7 +409,7 @@ class SceneTools:
         self.open_scene(Scene.model_validate({**scene.model_dump(), **changed}), None, None)
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle events of the table and the ruler."""
+        """Handle events of the table of values and of the ruler."""
         return self.values.handle(event) or self.ruler.handle(event)
 
     def paint(self, surface: pygame.Surface) -> None:

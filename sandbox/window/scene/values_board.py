@@ -1,4 +1,4 @@
-"""The table of values: beads and contacts instead of the plots, with as many columns and rows as fit."""
+"""The table of values. It replaces the plots by numbers of beads and contacts, with as many columns and rows as fit."""
 
 from __future__ import annotations
 
@@ -19,21 +19,22 @@ from softcradle.sandbox.window.page import Derived, Host
 from softcradle.sandbox.window.scene.editor import Pick, SceneEditor
 
 MARGIN = 6.0  # Distance in design pixels between a number and the right edge of its cell.
-ROWS_A_TURN = 3  # Number of rows by which a notch of the wheel scrolls.
+ROWS_A_TURN = 3  # Number of rows by which one notch of the wheel scrolls.
 LINE = 20.0  # Height of a row in design pixels.
 GAP = 12.0  # Distance between columns in design pixels.
 HEADING = 34.0  # Height above the first row in design pixels.
 BETWEEN = 16.0  # Distance between the two tables of a lane in design pixels.
 BEADS_SHARE = 0.55  # Width of the table of beads as a fraction of the total width.
 HEAD, BODY = 13.0, 13.0  # Text sizes of the heading and the rows in design pixels.
-MOST_DIGITS, LEAST_DIGITS = 3, 2  # Largest and smallest number of digits after the decimal point.
-# Columns that are omitted if there is too little space, in this order. Their values are still copied to the clipboard.
+MOST_DIGITS, LEAST_DIGITS = 3, 2  # Largest and smallest number of digits after the decimal point in a table.
+# Columns that are omitted if there is too little space, in the order of omission. The clipboard always receives their
+# values.
 LESS_NEEDED = (*reversed(SET_COLUMNS), *(quantity.column for quantity in (KINETIC, STORED, MOMENTUM, RATE, MASS)))
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The columns of a table that fit.
+    """The columns of a table that fit on the page.
 
     Attributes:
         shown: indices of the columns.
@@ -47,7 +48,9 @@ class Columns:
 
 
 def fitting(names: Sequence[str], room: float, unit: float) -> Columns:
-    """Return the columns that fit into `room` pixels for all possible numbers, with as many digits as possible."""
+    """Return the columns that fit into `room` pixels, with as many digits as possible. They have space for all possible
+    numbers.
+    """
     left_out: set[str] = set()
     for digits, drop in [*((digits, None) for digits in range(MOST_DIGITS, LEAST_DIGITS - 1, -1)), *_drops(names)]:
         left_out |= {drop} if drop else set()
@@ -65,7 +68,10 @@ def _drops(names: Sequence[str]) -> list[tuple[int, str]]:
 
 
 def _column_width(name: str, unit: float, digits: int, first: bool) -> float:
-    """Return the width in pixels of the widest number and of the column name, which is wrapped before its unit."""
+    """Return the width of a column in pixels. It has space for the widest number and for the column name.
+
+    The column name is wrapped before its unit.
+    """
     number = "88-88" if first else f"{MINUS}8.{digits * '8'}·10⁻⁸"
     words = [width(part, HEAD * unit) for part in heading(name)]
     return max(*words, width(number, BODY * unit)) + GAP * unit
@@ -119,10 +125,10 @@ class TablePlace:
 def table_places(
     lanes: Sequence[LiveLane], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int], chosen: int = 0
 ) -> list[TablePlace]:
-    """Return the tables of all lanes, with beads and contacts side by side. `first` contains the first visible row of
-    each table.
+    """Return the layouts of the tables of all lanes. Beads and contacts are side by side.
 
-    If there is too little space for all lanes, return only the tables of the lane `chosen`.
+    `first` contains the first visible row of each table. If there is too little space for all lanes, return only the
+    tables of the lane `chosen`.
     """
     places, roomy = [], area.height >= len(lanes) * (HEADING + 2.0 * LINE) * unit
     for lane, live in enumerate(lanes) if roomy else [(chosen, lanes[chosen])]:
@@ -139,8 +145,8 @@ def table_places(
 def _place(
     end: Pick, rect: pygame.Rect, names: tuple[str, ...], unit: float, first: Mapping[tuple[int, str], int]
 ) -> TablePlace:
-    """Return a table with `end.index` rows in `rect`. If the rows do not all fit, the last line is used for a note
-    about it.
+    """Return the layout of a table with `end.index` rows in `rect`. If some rows do not fit, the last line contains a
+    note.
     """
     line, top, count = round(LINE * unit), rect.top + HEADING * unit, end.index
     room = max(0, int((rect.bottom - top) // line))
@@ -151,7 +157,7 @@ def _place(
 
 
 class ValuesBoard:
-    """The tables of values. `area` returns their rectangle, or None while they are hidden.
+    """The tables of values. The function `area` returns their rectangle, or None while they are hidden.
 
     Attributes:
         places: layouts of the tables.
@@ -166,7 +172,7 @@ class ValuesBoard:
         self._shown = Derived(lambda: editor.selection, lambda: self.bring_into_view(editor.selection))
 
     def arrange(self) -> None:
-        """Place the tables and scroll to the selected row."""
+        """Place the tables, and scroll to the row of the selected bead or contact."""
         area, pick = self.area(), self.editor.selection
         chosen = 0 if pick is None else pick.lane
         lanes, unit = self.session.lanes, self.host.unit
@@ -175,7 +181,7 @@ class ValuesBoard:
             self._shown.follow()
 
     def bring_into_view(self, pick: Pick | None) -> None:
-        """Scroll to the row of `pick`."""
+        """Scroll to the row of the bead or contact `pick`."""
         place = next((one for one in self.places if pick and (one.lane, one.kind) == (pick.lane, pick.kind)), None)
         if pick is None or place is None or place.first <= pick.index < place.last:
             return
@@ -187,7 +193,7 @@ class ValuesBoard:
         self.arrange()
 
     def handle(self, event: pygame.Event) -> bool:
-        """Handle an event: a click selects a row, the wheel scrolls."""
+        """Handle an event. A click selects a row, and the wheel scrolls."""
         if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
             return self._click(event.pos)
         if event.type == pygame.MOUSEWHEEL:
@@ -239,7 +245,7 @@ class ValuesBoard:
 
 
 def _texts(kind: str, numbers: Sequence[float], digits: int) -> list[str]:
-    """Return the texts of a row. The first number is the index of the bead or contact."""
+    """Return the texts of the cells in a row. The first number is the index of the bead or contact."""
     first = int(numbers[0])
     name, none = (str(first), _("wall")) if kind == BEAD else (f"{first}-{first + 1}", MINUS)
     return [name, *(scientific(value, digits) if math.isfinite(value) else none for value in numbers[1:])]

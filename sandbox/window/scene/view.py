@@ -1,4 +1,6 @@
-"""The view of a scene: beads and plots at the present scales and camera, and the backdrop, which does not change."""
+"""The view of a scene. It draws beads and plots with the present scales and camera, and a backdrop that does not
+change.
+"""
 
 from __future__ import annotations
 
@@ -32,25 +34,28 @@ from softcradle.sandbox.window.scene.outcome_card import OutcomeCard
 from softcradle.sandbox.window.scene.why_view import WhyView
 
 ZOOM = 1.25  # Zoom factor of one step.
-MARGIN = 0.04  # Margin beyond the outermost beads after framing, as a fraction of the width.
-# Width after automatic widening, relative to the necessary width, so that moving beads do not leave again at once.
+MARGIN = 0.04  # Margin on each side of the outermost beads when all beads are shown, as a fraction of the width.
+# Width of the view after automatic widening, relative to the necessary width. The extra width keeps moving beads
+# visible for some time.
 SPARE = 1.4
-# Distance by which the longest velocity arrow extends beyond its bead, as a fraction of the length of a bead.
+# Distance by which the longest velocity arrow extends beyond its bead, in lengths of a bead.
 ARROW = 0.36
-# Additional margin of the opening view, as a fraction of the length of a bead. The window of the scales has no space
+# Additional margin of the initial view, as a fraction of the length of a bead. The window of the scales has no space
 # for arrows.
 OPENING_ROOM = 0.12
-# Largest margin on each side of the opening view of an edited scene, as a fraction of the initial length of the row. A
-# bead that bounces off a wall flies on for tens of seconds; a window for all of it would show the row as a dot. Scenes
-# of the catalogue have up to 0.63.
+# Largest margin on each side of the initial view of an edited scene, as a fraction of the initial length of the lane.
+# Scenes of the catalogue need up to 0.63. A bead that bounces off a wall moves on for tens of seconds, and a view of
+# its whole path would show the lane as a dot.
 MOST_ROOM = 0.7
 NO_ROOM = N_("plots do not fit: make the window larger or the scale smaller")
-NARROWEST, WIDEST = 1e-4, 1e9  # Limits of the visible width, in lengths of a bead.
+NARROWEST, WIDEST = 1e-4, 1e9  # Smallest and largest visible width, in lengths of a bead.
 
 
 @dataclass
 class Camera:
-    """Centre [m] and width [m] of the visible part of the line. An `automatic` camera keeps all beads visible."""
+    """The visible part of the line of beads, given by its centre [m] and width [m]. An `automatic` camera keeps all
+    beads visible.
+    """
 
     centre: float
     width: float
@@ -63,7 +68,7 @@ class Camera:
         return cls(0.5 * (low + high), high - low)
 
     def zoom(self, steps: float, length: float) -> None:
-        """Zoom in by `steps`, or out if negative, within fixed limits relative to the `length` [m] of the beads."""
+        """Zoom in by `steps`, or out if negative. The limits are relative to the `length` [m] of a bead."""
         self.width = min(max(self.width * ZOOM**-steps, NARROWEST * length), WIDEST * length)
         self.automatic = False
 
@@ -73,13 +78,16 @@ class Camera:
         self.automatic = False
 
     def fit(self, lanes: Sequence[LiveLane], length: float, spare: float = 1.0) -> None:
-        """Show all beads, which are `length` [m] long, in a window that is `spare` times as wide as necessary."""
+        """Show all beads in a window that is `spare` times as wide as necessary. The beads are `length` [m] long."""
         low, high = extent(lanes, length)
         self.centre, self.width = 0.5 * (low + high), (1.0 + 2.0 * MARGIN) * spare * (high - low)
         self.automatic = True
 
     def keep_in_sight(self, lanes: Sequence[LiveLane], length: float, visible: float) -> bool:
-        """Widen an automatic camera if a bead has left the `visible` metres. Return True if the camera has changed."""
+        """Widen an automatic camera if a bead has left the visible part of the line, which is `visible` metres wide.
+
+        Return True if the camera has changed.
+        """
         if not self.automatic:
             return False
         low, high = extent(lanes, length)
@@ -94,7 +102,7 @@ class Camera:
 
 
 def extent(lanes: Sequence[LiveLane], length: float) -> tuple[float, float]:
-    """Return the left and right end of all beads and of their longest arrows [m]."""
+    """Return the left and right end of all beads, including their longest arrows [m]."""
     positions = [lane.position for lane in lanes]
     low = min(float(p.min()) for p in positions)
     high = max(float(p.max()) + length * len(p) for p in positions)
@@ -109,11 +117,11 @@ class SceneView:
         follower: computes new scales after edits.
         camera: visible part of the line.
         lanes: the beads, a LaneView for each lane.
-        motions: present state of the lanes, one row each.
+        motions: present state of the lanes, one sample each.
         places: rectangles of the page.
         panel_shown: True if the panel on the right is visible.
         plots_covered: True if something else covers the plots, so that they are not drawn.
-        rows: plots of each visible row; the visible rows are those of `row_count` rows that begin at `first_row`.
+        rows: plots of each visible row. There are `row_count` rows in total, and `first_row` is the first visible one.
     """
 
     def __init__(
@@ -134,7 +142,7 @@ class SceneView:
         self.first_row = self.row_count = 0
         self.arrows = next(iter(ARROWS))
         self.places: Geometry = self._geometry()
-        self._frame = -1  # Frame whose collision the marks show.
+        self._frame = -1  # Frame of the collision that is marked.
         self._backdrop = pygame.Surface((1, 1))
         self.scales = LiveScales(session)
         self.follower = EditFollower(host, session, self.scales)
@@ -146,13 +154,14 @@ class SceneView:
             0,
             False,
             self.scales.ahead,
-        )  # Number of undone steps and scales at the last framing.
+        )  # Number of undone steps, and the scales, when the camera was last reset.
         self.drawn = Derived(self._drawn_of, self._draw)
         self.backdrop = Derived(self._backdrop_of, self._draw_backdrop)
 
     def look_ahead(self) -> None:
-        """Set scales and camera from a run ahead of time, as for a film. If it would take long, estimate them and run
-        it in the background.
+        """Set scales and camera from a run ahead of time, as for a film.
+
+        If the run would take long, it is done in the background, and estimated scales are used until it ends.
         """
         seen = self._scales_ahead()
         self.scales.take(seen or estimated_scales(self.session.scene, self.session))
@@ -162,8 +171,8 @@ class SceneView:
         self.motions = [lane.motion for lane in self.session.lanes]
 
     def _scales_ahead(self) -> Scales | None:
-        """Return the scales of a run ahead of time, or None if it takes long or fails. Such a scene can still be
-        played.
+        """Return the scales of a run ahead of time, or None if the run takes long or fails. The scene can be played in
+        any case.
         """
         scene = self.session.scene
         if not self._sees_ahead:
@@ -175,7 +184,7 @@ class SceneView:
 
     @property
     def _sees_ahead(self) -> bool:
-        """True if a run ahead of time takes only milliseconds, because its machine code is in memory."""
+        """True if a run ahead of time takes only milliseconds. Its machine code is then in memory."""
         methods = {AHEAD, *(lane.setup.method for lane in self.session.lanes)}
         return all(self.host.warmup.is_warm(method) for method in methods)
 
@@ -196,7 +205,7 @@ class SceneView:
         return places[0].unionall(places) if places else pygame.Rect(0, 0, 0, 0)
 
     def next_arrows(self) -> None:
-        """Switch the arrows to the next quantity in ARROWS."""
+        """Let the arrows show the next quantity in ARROWS."""
         names = list(ARROWS)
         self.arrows = names[(names.index(self.arrows) + 1) % len(names)]
 
@@ -217,8 +226,9 @@ class SceneView:
             self.host.messages.hint(_(NO_ROOM))
 
     def scroll_plots(self, point: tuple[int, int], by: int) -> bool:
-        """Scroll the plots down by `by` rows if `point` is on plots that do not all fit. Return True if they were
-        scrolled.
+        """Scroll the plots down by `by` rows if `point` is on the plots and some plots do not fit.
+
+        Return True if the plots were scrolled.
         """
         if len(self.rows) == self.row_count or not self.rows or not self.plots_area().collidepoint(point):
             return False
@@ -226,7 +236,7 @@ class SceneView:
         return True
 
     def _paint_scroll_bar(self, surface: pygame.Surface) -> None:
-        """Draw a scroll bar next to plots that do not all fit."""
+        """Draw a scroll bar next to the plots if some plots do not fit."""
         if len(self.rows) == self.row_count or not self.rows:
             return
         first, last = self.places.plots[0][0], self.places.plots[-1][-1]
@@ -238,11 +248,11 @@ class SceneView:
         pygame.draw.rect(surface, tones.muted, bar, border_radius=3)
 
     def arrange(self) -> None:
-        """Place everything for the size and unit of the host and the visible plots."""
+        """Place all parts of the page. The layout depends on the size and unit of the host and on the visible plots."""
         self.places = self._geometry()
 
     def reset_camera(self) -> None:
-        """Show the row at its start, with space for the later motion, unless the beads would become too small."""
+        """Show the beads at the start, with space for the later motion. Beads are not made too small for this purpose."""
         length, (left, right) = self.session.scene.view.length, self.scales.scales.window
         if self.session.edited:
             low, high = extent(beginning(self.session.history.newest_setup).lanes, length)
@@ -252,9 +262,10 @@ class SceneView:
         self.camera = Camera.of((left - room, right + room))
 
     def _frame_again(self) -> None:
-        """Frame the row after a restart, an edit of the start, an undo or a redo, unless the user has moved the view.
+        """Reset the camera after a restart, an edit of the start, an undo or a redo, unless the user has moved the
+        view.
 
-        After an undo, the scales of the run ahead arrive later. The row is then framed again.
+        After an undo, the scales of the run ahead arrive later, and the camera is reset again.
         """
         session, undone = self.session, len(self.session.undo_stack.undone)
         went = undone != self._undone or (self._went and self._seen is not self.scales.ahead)
@@ -266,7 +277,7 @@ class SceneView:
     def zoom(self, steps: float, point: tuple[int, int] | None = None) -> None:
         """Zoom in by `steps`, or out if negative, around `point`."""
         place = None if point is None else self.metres_at(point)
-        # Beads have a largest size on screen, so the lane may show more than the width of the camera.
+        # Beads have a largest size on screen, so a lane may show more than the width of the camera.
         self.camera.width = max(self.camera.width, self._visible())
         self.camera.zoom(steps, self.session.scene.view.length)
         self.follow()
@@ -287,7 +298,7 @@ class SceneView:
         return self.camera.centre + lane.metres(point[0] - lane.drawing.rect.centerx)
 
     def _visible(self) -> float:
-        """Return the visible width of a lane [m]."""
+        """Return the visible width of the line of beads [m]."""
         return self.lanes[0].metres(self.lanes[0].drawing.rect.width)
 
     def follow(self) -> None:
@@ -302,7 +313,7 @@ class SceneView:
         return self.host.look, self.session.scene, lanes, self.session.history.cuts, plots, shown, self.why.rows
 
     def _draw(self) -> None:
-        """Create beads and plots again."""
+        """Create the drawings of beads and plots again."""
         self.arrange()
         lanes, unit, places = self.session.lanes, self.host.unit, self.places
         self.scales.reset_lanes(lanes)
@@ -338,7 +349,7 @@ class SceneView:
         self.follow()
 
     def _follow_collisions(self) -> None:
-        """Update the marks of rigid clusters for the present collision."""
+        """Update the marks of rigid clusters to the present collision."""
         for k, (view, lane) in enumerate(zip(self.lanes, self.session.lanes, strict=True)):
             same = len(view.drawing.chain.mass) == len(lane.chain.mass)
             new = same and self.session.frame != self._frame and (lane.state.force > 0.0).any()
@@ -372,7 +383,7 @@ class SceneView:
     def _backdrop_of(self) -> object:
         marks = [lane.marked for lane in self.lanes]
         panels = [(panel.rect, panel.pick, tuple(panel.controls)) for panel in self.panels]
-        words = self.answered(), self.session.setup.starts  # The text of an edited scene is replaced by a note.
+        words = self.answered(), self.session.setup.starts  # If the scene was edited, a note replaces its text.
         return self.drawn.version, marks, panels, words, self.board.span.seconds, self.plots_covered
 
     def _draw_backdrop(self) -> None:

@@ -1,6 +1,7 @@
-"""The explanation of a collision as a picture in place of the plots.
+"""The explanation of a collision. It is a picture that replaces the plots.
 
-Each row is shown at its own largest push and on its own scale of forces, with a magnifier for each contact and a sentence.
+Each lane is shown at its own largest force, with its own scale of forces. It has a magnifier for each contact and a
+sentence.
 """
 
 from __future__ import annotations
@@ -27,19 +28,20 @@ from softcradle.sandbox.window.page_geometry import GUTTER
 from softcradle.sandbox.window.scene.lane_view import LaneView
 from softcradle.sandbox.window.widgets import split, write_wrapped
 
-SIZE, SMALL = 16.0, 13.0  # Text sizes of the sentence in design pixels, for one row and for two.
-HEAD = 20.0  # Height of the name of a row in design pixels.
-MOST_FORCES = 6  # Number of forces that are listed for a row that is pulled, including the largest.
+SIZE, SMALL = 16.0, 13.0  # Text sizes of the explanation in design pixels: for one lane, and for two lanes.
+HEAD = 20.0  # Height of the name of a lane in design pixels.
+# Largest number of forces in the explanation of a lane whose strongest contact pulls. The largest force is one of them.
+MOST_FORCES = 6
 
 
 @dataclass(frozen=True, eq=False)
 class Explained:
-    """A row at its largest force.
+    """A lane at its largest force.
 
     Attributes:
-        frame: number of the frame.
+        frame: number of the frame with the largest force.
         motion: this frame as a motion with one sample.
-        push: the push, or None if the strongest contact pulls.
+        push: the compressive force that is explained, or None if the strongest contact pulls.
         words: the explanation.
         approach: (n,) overlaps and (n+1,) velocities before the collision, or None.
     """
@@ -52,15 +54,15 @@ class Explained:
 
     @property
     def force(self) -> float:
-        """End of the force axis [N] for this row alone."""
+        """Upper end of the force axis [N] for this lane alone."""
         return FORCE_MARGIN * float(np.abs(self.motion.force).max())
 
 
 class WhyView:
-    """The explanation of all rows. It closes as soon as the clock runs or another frame is shown.
+    """The explanation of all lanes. It closes when the clock runs or another frame is shown.
 
     Attributes:
-        rows: the explained rows; empty while the explanation is closed.
+        rows: the explained lanes; empty while the explanation is closed.
         available: True if the history contains a force.
     """
 
@@ -82,7 +84,7 @@ class WhyView:
             self.show()
 
     def show(self) -> None:
-        """Show each row at its largest force. The clock shows the time of the first row."""
+        """Show each lane at its largest force. The clock shows the time of the first lane."""
         rows = tuple(map(self._explained, range(len(self.session.lanes))))
         self.session.scrub_frame(rows[0].frame)
         self.rows = rows
@@ -93,14 +95,14 @@ class WhyView:
 
     @property
     def words(self) -> str:
-        """The explanation of all rows, a line for each."""
+        """The explanation of all lanes as text, one line for each lane."""
         return "\n".join(
             _("{label}: {words}", label=label, words=row.words) if label and len(self.rows) > 1 else row.words
             for label, row in zip(self._labels, self.rows, strict=False)
         )
 
     def update(self) -> None:
-        """Close the explanation if the clock runs or another frame is shown. Notice the first force."""
+        """Close the explanation if the clock runs or another frame is shown. Set `available` after the first force."""
         history, session = self.session.history, self.session
         if self.rows and (session.playing or session.frame != self.rows[0].frame):
             self.hide()
@@ -113,19 +115,19 @@ class WhyView:
         return [scene_words(self.session.label(lane)) for lane in range(len(self.session.lanes))]
 
     def _search(self) -> bool:
-        """Find out if the history contains a force."""
+        """Return True if the history contains a force."""
         lanes = range(len(self.session.lanes))
         self.available = any(part.force.any() for lane in lanes for part in self._parts(lane))
         return self.available
 
     def _parts(self, lane: int) -> list[HistorySlice]:
-        """Return the slices of the history in which a lane has its newest chain."""
+        """Return the slices of the history that belong to the newest chain of a lane."""
         history = self.session.history
         chain = history.newest_setup.lanes[lane].chain
         return [part for part in history_slices(history, lane, history.first, history.last) if part.chain is chain]
 
     def _explained(self, lane: int) -> Explained:
-        """Return a lane at its largest push or pull."""
+        """Return a lane at its largest pushing or pulling force."""
         history, parts = self.session.history, self._parts(lane)
         part = max(parts, key=lambda one: float(np.abs(one.force).max()))
         frame = part.first + int(np.abs(part.force).max(axis=1).argmax())
@@ -157,7 +159,7 @@ class WhyView:
             self._texts.append((text, row, label if several else ""))
 
     def _inset(self, rect: pygame.Rect, row: Explained, lane: LaneView, leaders: bool) -> CaptionedInsets | None:
-        """Return the magnifiers of a row, or None if it is pulled or there is no space."""
+        """Return the magnifiers of a lane, or None if its strongest contact pulls or there is too little space."""
         push = row.push
         if push is None or rect.height < (CAPTION + 16.0) * self.host.unit:
             return None
@@ -168,7 +170,7 @@ class WhyView:
         return CaptionedInsets(rect, self.host.unit, lane.drawing, overlaps, captions, leaders)
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the parts that do not change: names, captions, sentences."""
+        """Draw the parts that do not change with time: names, captions and sentences."""
         unit, size = self.host.unit, (SMALL if len(self._texts) > 1 else SIZE) * self.host.unit
         for (inset, _lane), (rect, row, label) in zip(self._insets, self._texts, strict=True):
             if inset is not None:
@@ -191,7 +193,7 @@ class WhyView:
 
 
 def _pulled(force: list[float]) -> str:
-    """Return the sentence about the forces of a row whose strongest contact pulls, or that carries no force."""
+    """Return the sentence about the forces of a lane whose strongest contact pulls, or which carries no force."""
     greatest = max(range(len(force)), key=lambda i: abs(force[i]))
     most = abs(force[greatest])
     if not most:
