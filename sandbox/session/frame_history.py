@@ -120,11 +120,11 @@ class Block:
         self.used += 1
 
     def setup(self, row: int) -> Setup:
-        """Return the setup of `row`."""
+        """Return the setup of the frame in `row`."""
         return _at_row(self.setups, row)
 
     def snapshot(self, row: int) -> Snapshot:
-        """Return `row` as a snapshot with copied arrays."""
+        """Return the frame in `row` as a snapshot with its own arrays."""
         time = float(self.time[row])
         switches = self.switches.get(row, (NO_SWITCHES,) * len(self.lanes))
         states = tuple(
@@ -140,7 +140,7 @@ class Block:
         return Snapshot(time, self.setup(row), HeldBead(*self.held[row].tolist()), states, ledgers)
 
     def drop_last(self) -> None:
-        """Remove the last row."""
+        """Remove the newest frame of the block."""
         self.used -= 1
         self.revision += 1
         self.switches.pop(self.used, None)
@@ -205,7 +205,7 @@ class History:
         return *self.branch, self.first, self.last
 
     def pairs(self) -> list[tuple[Block | None, Block]]:
-        """Return every block with its predecessor."""
+        """Return every block together with the previous block, or with None for the first block."""
         blocks = list(self.blocks)
         return list(zip([None, *blocks[:-1]], blocks, strict=True))
 

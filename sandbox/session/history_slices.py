@@ -71,7 +71,8 @@ def slice_at(history: History, lane: int, frame: int) -> HistorySlice:
 
 
 def last_slice(history: History, lane: int, last: int) -> HistorySlice:
-    """Return one slice with the frames up to `last` since the chain or the method of the lane last changed.
+    """Return the frames of a lane up to `last`, as one slice. The slice begins where the chain or the method last
+    changed.
 
     Its setup is the setup of the frame `last`.
     """

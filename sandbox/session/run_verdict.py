@@ -1,8 +1,8 @@
 """Verdict on a run. It lists the times at which errors, chatter or steps exceeded their limits, with a remedy.
 
 One table of criteria is applied to every frame of a slice of the history. The badge shows the criteria of the last
-frame. The findings of a run are the frames at which a criterion was met. They are read from the history, so they remain
-correct after a scrub, a new branch, an undo or a redo.
+frame. The findings of a run are the frames at which a criterion was met. Findings are computed from the history, so
+they remain correct after every undo or new branch.
 """
 
 import math

@@ -93,7 +93,8 @@ def _lane_table(setup: LaneSetup) -> dict[str, Any]:
     del plain["length"], plain["duration"]  # The scene contains length and duration.
     if not setup.origin:  # Omit an empty origin, because earlier versions of softcradle cannot read it.
         del plain["origin"]
-    for name in ("forces", "brakes"):  # Omit forces and brakes if there are none, for the same reason.
+    # Omit forces and brakes if there are none, because earlier versions of softcradle cannot read them.
+    for name in ("forces", "brakes"):
         if not plain["chain"][name]:
             del plain["chain"][name]
     if plain["chain"]["strings"] is None:

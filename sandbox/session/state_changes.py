@@ -117,7 +117,7 @@ def with_contacts(setup: LaneSetup, state: State, index: int | None, change: Cal
     replaced.
 
     A compressed contact gets the force that its new law gives for its overlap. A contact that just touches keeps its
-    force, within the limits of the new law, because its force does not follow from its overlap.
+    force, within the limits of the new law. The force of such a contact does not follow from its overlap.
     """
     check_index(N_("contact"), index, setup.chain.contacts)
     contacts, locked = list(setup.chain.contact), list(setup.locked)

@@ -189,7 +189,8 @@ SMOOTH_TURN = 0.97  # Cosine of the largest turn of a curve that is drawn withou
 MOST_MARKED = 10  # Largest number of curves that get a marker at the cursor.
 # Largest stretched size of old curves relative to the plot. Beyond it the curves are redrawn at once.
 MOST_STRETCHED = 6
-GHOST = 0.5  # Fraction of its own colour in a curve of the previous run. The rest is the colour of the background.
+# A curve of the previous run is drawn with this fraction of its colour. The rest is the colour of the background.
+GHOST = 0.5
 # Points of a previous run are left out if their distance from the plot is larger than this number of pixels.
 MOST_BEYOND = 2000
 VEIL_OPACITY = 150  # Opacity of the veil over the part of a plot to the right of the cursor, from 0 to 255.

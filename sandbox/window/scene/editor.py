@@ -90,7 +90,7 @@ class SceneEditor:
         self._selection = pick
 
     def check_kernels(self) -> None:
-        """Set `preparing` to False if the methods of the session can compute its lanes in real time, otherwise to True."""
+        """Update `preparing`. It is False if the methods of the session can compute all lanes in real time."""
         session = self.session
         self.preparing = not self.host.warmup.can_move(session.lanes, session.setup.frame_time)
 
@@ -179,7 +179,7 @@ class SceneEditor:
             self.apply(Lock(pick.lane, pick.index, not locked))
 
     def lock_all(self) -> None:
-        """Lock the pistons of all contacts, or unlock them if they are locked."""
+        """Lock the pistons of all contacts, or unlock them if all of them are locked."""
         lanes = self.session.lanes
         locked = all(law is not None for lane in lanes for law in lane.setup.locked)
         if self._apply_to_lanes(lambda lane: Lock(lane, None, not locked)):

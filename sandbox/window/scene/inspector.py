@@ -1,6 +1,6 @@
 """The panel of the selected bead or contact, with sliders, text fields and buttons.
 
-The overlay for a sweep is also defined here. A sweep compares nine values of a parameter.
+This module also contains the overlay for a sweep, which compares nine values of a parameter.
 """
 
 from __future__ import annotations

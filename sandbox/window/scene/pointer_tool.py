@@ -1,5 +1,5 @@
-"""The mouse on the lanes. It selects, drags and throws beads, and moves the view. Ruler and stopwatch are also defined
-here.
+"""The mouse on the lanes. It selects, drags and throws beads, and moves the view. The module also contains a ruler and
+a stopwatch.
 """
 
 from __future__ import annotations

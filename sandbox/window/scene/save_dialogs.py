@@ -72,7 +72,7 @@ def _shortened(text: str) -> str:
 def shown_path(path: Path) -> str:
     """Return the absolute path as text, with the home folder written as ~."""
     full = path.resolve()
-    home = os.path.expanduser("~")  # This is "~" if there is no home folder.
+    home = os.path.expanduser("~")  # The result of expanduser is "~" if there is no home folder.
     return f"~/{full.relative_to(home)}" if full.is_relative_to(home) else str(full)
 
 
@@ -170,9 +170,9 @@ def _copy_whole(surface: pygame.Surface, frame: pygame.Surface) -> None:
 class Saving(NamedTuple):
     """A kind of file that can be saved.
 
-    It consists of the texts of the dialog, the proposed end of the name, the possible endings, the function that writes
-    the file, and a function that returns the resulting files. If it is `reopened`, the window can open the file, so its
-    path is added to the recent files.
+    It consists of the texts of the dialog, the proposed end of the file name, the possible endings, and two functions.
+    One function writes the file. The other returns the paths of the resulting files. If it is `reopened`, the window
+    can open the file, so its path is added to the recent files.
     """
 
     title: str

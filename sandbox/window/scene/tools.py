@@ -135,7 +135,8 @@ class DataTool:
     def _measured_kind(self, path: Path, data: MeasuredTable, point: tuple[int, int]) -> str:
         """Return the kind of plot for a table of measured data.
 
-        This is the kind of the plot at `point` if it fits the data, otherwise the first kind for a measured quantity.
+        This is the kind of the plot at `point`, if it fits the data. Otherwise it is the first kind that shows a
+        measured quantity.
         """
         kinds = [kind for kind, quantity in MEASURED_KINDS.items() if data.along_row(quantity)]
         if not kinds:
@@ -370,8 +371,9 @@ class SceneTools:
         self._open_beside(lambda: beside_itself(self.session.to_scene()))
 
     def compare_balls(self) -> None:
-        """Open a scene that compares the present scene with steel balls or soft beads in the same collision, and play
-        both.
+        """Open a scene that compares the present scene with other balls in the same collision, and play both.
+
+        The other balls are steel balls, or soft beads if the present scene has steel balls.
         """
         self._keep_choice(beside=True)
         self._open_beside(lambda: beside_other_balls(self.session), "play_pause")

@@ -161,7 +161,7 @@ class SceneView:
     def look_ahead(self) -> None:
         """Set scales and camera from a run ahead of time, as for a film.
 
-        If the run would take long, it is done in the background, and estimated scales are used until it ends.
+        A long run is done in the background. Estimated scales are used until it ends.
         """
         seen = self._scales_ahead()
         self.scales.take(seen or estimated_scales(self.session.scene, self.session))
