@@ -1,1 +1,3 @@
-"""Studies: claims, figures, comparisons, maps, the work-precision chart, limits of the methods, the experiment."""
+"""Studies: tests of the paper's claims, figures, comparisons, parameter maps, the work-precision chart and the
+experiment.
+"""

@@ -1,1 +1,1 @@
-"""Measurement of the paper's statements: one function for each statement, and a verdict that follows from its numbers."""
+"""Measurements that test the statements of the paper. Each statement has one function, and its numbers give a verdict."""

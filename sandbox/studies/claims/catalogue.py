@@ -1,4 +1,4 @@
-"""List of all claims, in the order of the paper, and their measurement as a sweep over all cases."""
+"""List of all claims in the order of the paper. The claims are measured as a sweep over all their cases."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -22,23 +22,24 @@ CLAIMS: tuple[Claim, ...] = (
     *experiment.CLAIMS,
 )
 
-# Claims that take a tenth of the total time each. They are measured first.
+# Claims that each take a tenth of the total computing time. They are measured first.
 LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")
-# Number of the paper's own case by the reference, which takes long and is therefore measured first.
+# Case number of the measurement by the independent reference. It takes long and is therefore measured first.
 REFERENCE_CASE = -1
 
 
 def claim_named(name: str) -> Claim:
-    """Return the claim of that name; raise KeyError if it does not exist."""
+    """Return the claim called `name`; raise KeyError if it does not exist."""
     return {claim.name: claim for claim in CLAIMS}[name]
 
 
 def measure_claims(
     names: Sequence[str] = (), progress: Progress | None = None, workers: int | None = None, kept: Path | None = None
 ) -> list[JudgedClaim]:
-    """Measure the claims `names` (all if empty), in the order of the list; a point of the sweep is a case.
+    """Measure the claims called `names`, or all claims if `names` is empty. The result has the order of the list.
 
-    With `kept`, cases of an earlier run are not measured again, see `map_points`.
+    Each point of the sweep is one case of a claim. Cases that an earlier sweep has stored in `kept` are not measured
+    again; see `map_points`.
     """
     wanted = [claim for claim in CLAIMS if not names or claim.name in names]
     rows = [
@@ -52,7 +53,7 @@ def measure_claims(
 
 
 def measured_case(claim: str, case: int) -> Outcome:
-    """Measure one case of a claim, and the processor time [s] that it took."""
+    """Measure one case of a claim, and record the processor time [s] of the measurement."""
     measured, began = claim_named(claim), process_time()
     if case == REFERENCE_CASE:
         return Outcome({"value": measured.reference(), "seconds": process_time() - began})
@@ -61,7 +62,7 @@ def measured_case(claim: str, case: int) -> Outcome:
 
 
 def _study(claim: Claim, found: Sequence[Mapping[str, Any]]) -> JudgedClaim:
-    """Return the study of a claim from the points of all its cases."""
+    """Build the study of a claim from the points of all its cases."""
     reference, rows = (float(found[0]["value"]), found[1:]) if claim.refer else (math.nan, found)
     cases = [
         claim.measured(each, float(row["value"]), float(row["error"]), row.get("reason", ""))

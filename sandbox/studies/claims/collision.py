@@ -1,4 +1,4 @@
-"""Claims about one collision: Secs. I and IV, Figs. 1b to 1d."""
+"""Claims about one collision from Secs. I and IV and Figs. 1b to 1d of the paper."""
 
 import math
 
@@ -19,23 +19,26 @@ from softcradle.sandbox.studies.paper import (
     start,
 )
 
-STEP_OF_INVERSE = 0.25  # step of 1/alpha between two points of a curve of the spread
-WINDOW_STEP = 0.5  # step of 1/alpha between two points of a window
-# width of a window of 1/alpha in which the largest spread is taken: several times the distance of two peaks
+STEP_OF_INVERSE = 0.25  # Step of 1/alpha between two points of a curve of the spread.
+WINDOW_STEP = 0.5  # Step of 1/alpha between two points of a window.
+# Width of the window of 1/alpha in which the largest spread is taken. It contains several peaks of the spread.
 WINDOW = 4.0
 
 
 def rise_of_spread(case: Parameters, solver: MethodFineness) -> float:
-    """Return the logarithm of the ratio of the spreads at 1/alpha and a step before: above 0 if it rises as alpha
-    falls.
+    """Return the logarithm of the ratio of two velocity spreads.
+
+    The spreads belong to 1/alpha and to the value of 1/alpha one step below. The result is above 0 if the spread rises
+    as alpha falls.
     """
     before = {**case, "1/alpha": case["1/alpha"] - STEP_OF_INVERSE}
     return math.log(spread(case, solver) / spread(before, solver))
 
 
 def envelope_ratio(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest spread of the window of 1/alpha that begins here, divided by the largest of the previous
-    window.
+    """Return the largest spread in a window of 1/alpha, divided by the largest spread in the window before it.
+
+    The window begins at the value of 1/alpha of the case.
     """
     inverse = np.arange(0.0, WINDOW, WINDOW_STEP)
     largest = [
@@ -46,13 +49,17 @@ def envelope_ratio(case: Parameters, solver: MethodFineness) -> float:
 
 
 def others_over_first(case: Parameters, solver: MethodFineness) -> float:
-    """Return the spread of the targets behind the first one, divided by the distance of the first one from their mean."""
+    """Compare the first target with the other targets, and return a ratio of velocities.
+
+    The numerator is the spread of the targets behind the first one. The denominator is the difference between the first
+    target's velocity and the mean of the others.
+    """
     velocity = outcome(case, solver)[1:]
     return float(np.ptp(velocity[1:]) / abs(velocity[1:].mean() - velocity[0]))
 
 
 def turns_after_detachment(case: Parameters, solver: MethodFineness) -> float:
-    """Return the most turning points of any target velocity between the detachment of the striker and the end."""
+    """Return the largest number of turning points of a target velocity after the striker has detached."""
     chain = chain_of(case)
     whole = solver.motion(chain, start(chain))
     detached, end = first_opening(whole), float(whole.time[-1])

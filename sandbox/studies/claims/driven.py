@@ -1,4 +1,7 @@
-"""Claims about a cluster with a steady external force: Sec. V, and the period of the inner contact in Sec. IV (ii)."""
+"""Claims about a cluster of beads that a steady external force pushes.
+
+They are from Sec. V, and from Sec. IV (ii) for the period of the inner contact.
+"""
 
 import math
 
@@ -21,21 +24,24 @@ from softcradle.sandbox.studies.paper import (
 
 RETURNS = 5
 SAMPLES_A_PERIOD = 400
-ABOUT = np.linspace(-1.0, 1.0, 41)  # samples around a return, in units of the distance of the previous ones
-# Number of refinements. At the end the samples are 1e-8 of a period apart, and the minimum of psi is known to 1e-15.
+# Positions of the samples around a minimum of psi, in units of the previous distance between samples.
+ABOUT = np.linspace(-1.0, 1.0, 41)
+# Number of refinements. At the end the samples are 1e-8 of a period apart, and the minimum of psi has an error of
+# 1e-15.
 CLOSER = 4
 
 
 def driven(case: Parameters) -> Chain:
-    """Return n unit beads that just touch, with a unit force on the first one."""
+    """Return a chain of n unit beads that just touch, with a unit force on the first bead."""
     return driven_chain(round(case["n"]), 1.0 / case["1/alpha"])
 
 
 def driven_returns(case: Parameters, solver: MethodFineness) -> tuple[list[float], list[float], float]:
-    """Return the times of the minima of psi (its returns), psi at them, and its maximum.
+    """Return the times of the minima of psi, the values of psi at these times, and the maximum of psi.
 
-    Each minimum is located among samples that become denser around it. The second derivative of psi jumps at the
-    opening of the contact, so no smooth curve through samples on both sides represents psi.
+    Each minimum is called a return of psi. It is located with samples that become denser around it. The second
+    derivative of psi jumps when the contact opens. A smooth curve through samples on both sides of the jump therefore
+    does not represent psi.
     """
     chain, n = driven(case), round(case["n"])
     end = (RETURNS + 0.9) * driven_period(n, 1.0 / case["1/alpha"])
@@ -53,13 +59,16 @@ def driven_returns(case: Parameters, solver: MethodFineness) -> tuple[list[float
 
 
 def psi_at_return(case: Parameters, solver: MethodFineness) -> float:
-    """Return psi at that return, divided by its largest value."""
+    """Return the value of psi at one of its minima, divided by the largest value of psi."""
     _, least, largest = driven_returns(case, solver)
     return abs(least[round(case["return"]) - 1]) / largest
 
 
 def rate_of_inner_period(case: Parameters, solver: MethodFineness) -> float:
-    """Return the distance of the rate of sqrt(alpha) times the period of the driven mode from -1/2."""
+    """Return how far a slope differs from -1/2.
+
+    It is the slope of the logarithm of sqrt(alpha) times the period of the driven mode, against 1/(n alpha).
+    """
     low, high = (driven_returns(k, solver)[0][-1] / RETURNS / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
     return abs(local_rate(case, low, high) + 0.5)
 

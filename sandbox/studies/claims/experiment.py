@@ -1,4 +1,4 @@
-"""Claims about the experiment of App. C: draft gears with the measured masses, and their similarity to soft power laws."""
+"""Claims about the experiment of App. C. They concern draft gears with the measured masses and similar soft power laws."""
 
 from functools import lru_cache
 
@@ -13,12 +13,14 @@ from softcradle.sandbox.studies.experiment import MASS, PRECOMPRESSION, STIFFNES
 from softcradle.sandbox.studies.paper import MethodFineness, Parameters, first_opening, start
 
 GEAR = draft_gear(STIFFNESS, PRECOMPRESSION)
-SPEEDS = (0.3, 0.6, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.3, 1.7, 2.5, 4.0)  # relative to the critical speed
+# Speeds of the striker relative to the critical speed.
+SPEEDS = (0.3, 0.6, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.3, 1.7, 2.5, 4.0)
 
 
 def distance_from_rigid(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest difference of a final velocity from the collision of two rigid bodies, divided by the
-    striker's velocity.
+    """Compare the final velocities with the collision of two rigid bodies.
+
+    Return the largest difference of a velocity, divided by the striker's velocity.
     """
     strikers, chain = round(case["strikers"]), Chain(MASS, GEAR)
     speed = case["V/v_c"] * critical_speed(GEAR, MASS, strikers)
@@ -27,7 +29,7 @@ def distance_from_rigid(case: Parameters, solver: MethodFineness) -> float:
 
 
 def distance_of_power_law(case: Parameters, solver: MethodFineness) -> float:
-    """Return the distance of the force curves of the gear and of the nearest power law, with that solver."""
+    """Return the distance between the force curve of the draft gear and the curve of the nearest power law."""
     chain = one_on(3, draft_gear(1.0, 1.0))
     velocity = start(chain, speed=case["V/v_c"] * critical_speed(chain.power_laws[0], chain.mass, 1))
     curves = [_force_curve(one, velocity, solver) for one in (chain, one_on(3, _nearest(chain, velocity)))]
@@ -36,7 +38,7 @@ def distance_of_power_law(case: Parameters, solver: MethodFineness) -> float:
 
 
 def fitted_exponent(case: Parameters, solver: MethodFineness) -> float:
-    """Return the exponent of the power law whose force curve is nearest to the curve of the gear, with that solver."""
+    """Return the exponent of the power law whose force curve is nearest to the curve of the draft gear."""
     chain = one_on(3, draft_gear(1.0, 1.0))
     velocity = start(chain, speed=case["V/v_c"] * critical_speed(chain.power_laws[0], chain.mass, 1))
     curve, near = _force_curve(chain, velocity, solver), _nearest(chain, velocity)
@@ -55,14 +57,14 @@ def _nearest(chain: Chain, velocity: tuple[float, ...]) -> Contact:
 
 
 def _force_curve(chain: Chain, velocity: tuple[float, ...], solver: MethodFineness) -> tuple[np.ndarray, np.ndarray]:
-    """Return times and forces of the struck contact until it opens."""
+    """Return the times and forces of the struck contact until it opens."""
     end = first_opening(solver.motion(chain, velocity))
     times = end * GRADED
     return times, solver.motion(chain, velocity, end, tuple(times.tolist())).force[:, 0]
 
 
 def energy_for_momentum(case: Parameters, solver: MethodFineness) -> float:
-    """Return how far the energy deficit of a bed with the stated momentum loss is below 10 %: 0.1 minus the deficit."""
+    """Return 0.1 minus the relative energy deficit that a bed with the stated momentum loss causes."""
     strikers, speed = round(case["strikers"]), case["V"]
     friction = friction_for(case["momentum"], strikers, speed)
     return 0.1 - deficits(strikers, speed, friction, method=solver.method).energy

@@ -1,4 +1,6 @@
-"""Claims of Appendix B about the evanescent hypothesis, Eq. (7), in the full solution."""
+"""Claims of Appendix B about the evanescent hypothesis, Eq. (7). They are tested with the solution of the full
+equations.
+"""
 
 import math
 from itertools import pairwise
@@ -9,15 +11,17 @@ from softcradle.sandbox.scene_runs import KEEPING
 from softcradle.sandbox.studies.claims.claim import Claim, grid
 from softcradle.sandbox.studies.paper import OWN, MethodFineness, NotSolvedError, Parameters, at_fractions
 
-FRACTIONS = tuple(np.linspace(0.01, 0.99, 491).tolist())  # sample times, as fractions of the striker's contact
+# Sample times as fractions of the time for which the striker is in contact.
+FRACTIONS = tuple(np.linspace(0.01, 0.99, 491).tolist())
 FINE_SECOND = MethodFineness(KEEPING, 3e-5)
 INVERSE = (6, 7, 8, 10, 12, 14, 16)
 NEXT_INVERSE = dict(pairwise(INVERSE))
 
 
 def discrepancy(case: Parameters, solver: MethodFineness) -> np.ndarray:
-    """Return (T, n-2) ``[(n-1)/(n-i)]**(1/alpha) d_i / d_1 - 1`` in the middle 98 %, up to the opening of an inner
-    contact.
+    """Return the array (T, n-2) of ``[(n-1)/(n-i)]**(1/alpha) d_i / d_1 - 1``.
+
+    The times cover the middle 98 % of the interval that ends when an inner contact opens.
     """
     overlap = at_fractions(case, solver, FRACTIONS).overlap
     n = round(case["n"])
@@ -30,13 +34,17 @@ def discrepancy(case: Parameters, solver: MethodFineness) -> np.ndarray:
 
 
 def middle(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest discrepancy in the middle third of the contact."""
+    """Return the largest discrepancy in the middle third of the contact time."""
     curve = discrepancy(case, solver)
     return float(np.abs(curve[len(FRACTIONS) // 3 : 2 * len(FRACTIONS) // 3]).max())
 
 
 def rise_with_n_alpha(case: Parameters, solver: MethodFineness) -> float:
-    """Return the logarithm of the ratio of the discrepancies at a smaller and at this n alpha: above 0 if it grows."""
+    """Return the logarithm of the ratio of the discrepancies at two values of n alpha.
+
+    The discrepancy at the smaller n alpha is the numerator. The result is above 0 if the discrepancy grows as n alpha
+    falls.
+    """
     if case["varied"]:
         smaller = {**case, "n": case["n"] - 1.0}
     else:
@@ -45,26 +53,30 @@ def rise_with_n_alpha(case: Parameters, solver: MethodFineness) -> float:
 
 
 def sign_changes(case: Parameters, solver: MethodFineness) -> float:
-    """Return the distance of the number of sign changes of the first curve from 1."""
+    """Return how far the number of sign changes of the first curve differs from 1."""
     curve = discrepancy(case, solver)[:, 0]
     return abs(float(np.count_nonzero(np.diff(np.sign(curve)))) - 1.0)
 
 
 def middle_over_ends(case: Parameters, solver: MethodFineness) -> float:
-    """Return the discrepancy in the middle third, divided by the smaller one at both ends of the first curve."""
+    """Return the discrepancy of the first curve in the middle third of the time, divided by the discrepancy at the
+    ends.
+
+    The smaller discrepancy of the two ends is used.
+    """
     curve = np.abs(discrepancy(case, solver)[:, 0])
     third = curve.size // 3
     return float(curve[third : 2 * third].max() / min(curve[0], curve[-1]))
 
 
 def distance_of_curves(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest distance between the curves of different depth, relative to the height of their panel."""
+    """Return the largest distance between the curves of different contacts, relative to the height of their panel."""
     curves = discrepancy(case, solver)
     return float(np.ptp(curves, axis=1).max() / np.ptp(curves))
 
 
 def wiggles(case: Parameters, solver: MethodFineness) -> float:
-    """Return the number of turning points of the curves: 0 if they rise steadily."""
+    """Return the number of turning points of the curves. It is 0 if all curves rise steadily."""
     return float(max(turning_points(curve).size for curve in discrepancy(case, solver).T))
 
 

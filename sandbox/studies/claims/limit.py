@@ -1,4 +1,4 @@
-"""Claims about the limit alpha -> 0 and about the end of rigid-like behaviour: Secs. IV and V."""
+"""Claims about the limit alpha -> 0 and about the end of rigid-like behaviour, from Secs. IV and V."""
 
 import math
 
@@ -22,40 +22,48 @@ from softcradle.sandbox.studies.paper import (
     start,
 )
 
-RIGID_LIKE = 0.5  # largest spread, relative to the mean, that counts as rigid-like
-BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)  # fractions of the contact time
+RIGID_LIKE = 0.5  # Largest spread of the target velocities that counts as rigid-like, relative to their mean.
+# Sample times as fractions of the contact time.
+BOUND_PARTS = (1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)
 
 
 def largest_psi(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest psi of the full equations while the striker pushes."""
+    """Return the largest psi of the full equations while the striker is in contact."""
     return float(_pushed(case, solver, 1.3, 1001).overlap[:, 1].max())
 
 
 def _pushed(case: Parameters, solver: MethodFineness, part: float, samples: int) -> Trajectory:
-    """Return the motion until `part` of half the limit of the contact time, 2n/(n+1)."""
+    """Return the motion from the start to a fraction `part` of n/(n+1).
+
+    This time n/(n+1) is half the limit of the contact time, 2n/(n+1).
+    """
     chain, n = chain_of(case), case["n"]
     return solver.motion(chain, start(chain), part * n / (n + 1.0), samples)
 
 
 def rate_of_psi(case: Parameters, solver: MethodFineness) -> float:
-    """Return the distance of the rate of max psi from the stated -1."""
+    """Return how far the slope of log(max psi) against 1/(n alpha) differs from the stated -1."""
     return abs(local_rate(case, largest_psi(case, solver), largest_psi(later(case), solver)) + 1.0)
 
 
 def psi_off_law(case: Parameters, solver: MethodFineness) -> float:
-    """Return the relative distance of max psi from n/(2(n+1)) ((n-1)/n)**(1/alpha)."""
+    """Return the relative difference of max psi from n/(2(n+1)) ((n-1)/n)**(1/alpha)."""
     return abs(largest_psi(case, solver) / psi_limit(case["n"], 1.0 / case["1/alpha"]) - 1.0)
 
 
 def rate_of_duration(case: Parameters, solver: MethodFineness) -> float:
-    """Return the distance of the rate of sqrt(alpha) times the contact time from the stated -1/2."""
+    """Return how far a slope differs from the stated -1/2.
+
+    It is the slope of the logarithm of sqrt(alpha) times the contact time, against 1/(n alpha).
+    """
     low, high = (detachment(k, solver) / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
     return abs(local_rate(case, low, high) + 0.5)
 
 
 def bend_over_bound(case: Parameters, solver: MethodFineness) -> float:
-    """Return the left side of Eq. (9) at i = 2 divided by its stated bound, at a fraction of the time until Phi
-    returns.
+    """Return the left side of Eq. (9) at i = 2, divided by its stated bound.
+
+    The time is a fraction of the time at which Phi returns to zero.
     """
     chain, n, alpha = chain_of(case), round(case["n"]), 1.0 / case["1/alpha"]
     end = solver.model(chain, start(chain)).returns(0)
@@ -65,35 +73,38 @@ def bend_over_bound(case: Parameters, solver: MethodFineness) -> float:
 
 
 def loss_of_rigidity(case: Parameters, solver: MethodFineness) -> float:
-    """Return RIGID_LIKE divided by the spread: above 1 if the cluster is still rigid-like."""
+    """Return RIGID_LIKE divided by the spread of velocities. It is above 1 if the cluster is still rigid-like."""
     return RIGID_LIKE / spread(case, solver)
 
 
 def withn_alpha(n: tuple[int, ...], products: tuple[float, ...]) -> list[Parameters]:
-    """Return cases with these n and n alpha, as n and 1/alpha."""
+    """Return the cases with the given n and products n alpha. Each case is described by n and 1/alpha."""
     return [{"n": float(k), "1/alpha": k / product} for k in n for product in products]
 
 
 def separation(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest (tau_i / tau_dur)**2 of Eq. (10), over all contacts behind the first inner one."""
+    """Return the largest (tau_i / tau_dur)**2 of Eq. (10) among all contacts behind the first inner contact."""
     chain = chain_of(case)
     found = solver.motion(chain, start(chain), detachment(case, solver) * (1.0 + 1e-6), 801)
     return float(time_scale_separation(found)[2:].max())
 
 
 def energy_inside(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest energy stored in the inner contacts, relative to the striker's energy."""
+    """Return the largest energy stored in the inner contacts, relative to the initial energy of the striker."""
     found = _pushed(case, solver, 1.5, 2001)
     return float(found.chain.stored_energy(found.overlap)[:, 1:].sum(axis=1).max() / 0.5)
 
 
 def rise_of_energy(case: Parameters, solver: MethodFineness) -> float:
-    """Return the logarithm of the ratio of the inner energies at 1/alpha and LATER times 1/alpha: below 0 if it falls."""
+    """Return the logarithm of the ratio of the energies in the inner contacts at 1/alpha and at LATER times 1/alpha.
+
+    It is below 0 if the energy falls.
+    """
     return math.log(energy_inside(later(case), solver) / energy_inside(case, solver))
 
 
 def inner_force(case: Parameters, solver: MethodFineness) -> float:
-    """Return the relative distance of the largest f12 from its limit (n-1)/n."""
+    """Return the relative difference between the largest f12 and its limit (n-1)/n."""
     n, found = case["n"], _pushed(case, solver, 1.5, 2001)
     return abs(float(found.force[:, 1].max()) * n / (n - 1.0) - 1.0)
 

@@ -1,4 +1,4 @@
-"""Claims about the mode-coupling model compared with the full equations: Secs. III and IV, Fig. 2, App. A."""
+"""Claims that compare the mode-coupling model with the full equations, from Secs. III and IV, Fig. 2 and App. A."""
 
 import numpy as np
 from softcradle.physics import Chain, cluster_on_cluster, one_on, power_law
@@ -23,21 +23,24 @@ from softcradle.sandbox.studies.paper import (
     while_struck,
 )
 
-# fractions of the time until a force ends
+# Times as fractions of the time at which a force ends.
 EDGES = 1e-6, 1e-4, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.97, 0.98, 0.99, 0.995, 1.0
 SAMPLES_A_BIN = 60
 RANDOM_CHAINS = 24
 SEED = 20211105
-RISE_DECADES = tuple(range(-16, 0))  # powers of ten of the times in Fig. 2d
-AT_THE_TOUCH = MethodFineness(TOLD, tolerance=1e-14)  # small compared with the overlaps of all contacts at 1e-16
-RISE_END = 1.0  # unit of time: the end of Fig. 2d and of the run for the slopes
-# Slopes in a decade of time. A step of a force by a fraction of a percent would be ten percent of its slope.
+RISE_DECADES = tuple(range(-16, 0))  # Decimal exponents of the times in Fig. 2d.
+# This tolerance is small compared with the overlaps of all contacts at the time 1e-16.
+AT_THE_TOUCH = MethodFineness(TOLD, tolerance=1e-14)
+RISE_END = 1.0  # End of Fig. 2d, and of the simulation from which slopes are measured, in units of time.
+# Number of slopes for each decade of time. With this number, a jump of a force by a fraction of a percent would change
+# a slope by ten percent.
 SLOPES = 8
 
 
 def discrepancy(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest relative discrepancy of a force, (full - model) / full, in a fraction of the time for which it
-    acts.
+    """Return the largest relative discrepancy of a force, (full - model) / full.
+
+    Only a fraction of the time for which the force acts is considered.
     """
     chain, contact = chain_of(case), round(case["contact"])
     end = first_opening(solver.motion(chain, start(chain)), contact)
@@ -49,33 +52,37 @@ def discrepancy(case: Parameters, solver: MethodFineness) -> float:
 
 
 def delay_of_phi(case: Parameters, solver: MethodFineness) -> float:
-    """Return the time at which Phi returns to zero minus the time at which psi does: below 0 if Phi is first."""
+    """Return the time at which Phi returns to zero minus the time at which psi returns to zero.
+
+    It is below 0 if Phi returns first.
+    """
     chain = chain_of(case)
     found = solver.model(chain, start(chain))
     return found.returns(0) - found.returns(1)
 
 
 def turns_of_inner_force(case: Parameters, solver: MethodFineness) -> float:
-    """Return the turning points of f12 while the first two contacts are closed."""
+    """Return the number of turning points of f12 while the first two contacts are closed."""
     force = while_struck(case, solver, 20001).force[:, 1]
     return float(turning_points(force, SWING).size)
 
 
 def rising_power(contact: int, alpha: float) -> float:
-    """Return the initial power of t of the force of `contact`: alpha for f01, and alpha (2 + p) after a contact with
-    power p.
+    """Return the power p of the time t with which the force of `contact` rises initially.
 
-    The overlap of a contact is the force of the previous one, integrated twice over time: f12 ~ t**(alpha (2 + alpha)).
+    The force f01 rises with the power alpha. If a contact has the power p, the next contact has alpha (2 + p). The
+    reason is that the overlap of a contact is the force of the previous one, integrated twice over time. For example,
+    f12 ~ t**(alpha (2 + alpha)).
     """
     return alpha if contact == 0 else alpha * (2.0 + rising_power(contact - 1, alpha))
 
 
 def slope_error(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest relative distance of the logarithmic slope of a force, between t and 10 t, from the stated
-    power of t.
+    """Return the largest relative difference between the logarithmic slope of a force and the stated power of t.
 
-    The full equations start at the touch, as in Fig. 2d. A fixed step must be small in units of t, in which the same
-    motion runs from 1 to 10 with strengths of t**(1 + alpha).
+    The slope is measured between t and 10 t. The full equations start when the beads touch, as in Fig. 2d. A fixed step
+    must be small compared with t. The time is therefore scaled: the same motion runs from 1 to 10 if the contact
+    strengths are multiplied by t**(1 + alpha).
     """
     alpha, contact = 1.0 / case["1/alpha"], round(case["contact"])
     unit = case["t"] if solver.step else 1.0
@@ -89,7 +96,7 @@ def slope_error(case: Parameters, solver: MethodFineness) -> float:
 
 
 def consistency(case: Parameters, solver: MethodFineness) -> float:
-    """Return the largest left side of Eq. (9) at i = 2 in a fraction of the time until psi is back at zero."""
+    """Return the largest left side of Eq. (9) at i = 2 in a fraction of the time until psi has returned to zero."""
     chain = chain_of(case)
     end = solver.model(chain, start(chain)).returns(1)
     upper = case["until"]
@@ -99,8 +106,9 @@ def consistency(case: Parameters, solver: MethodFineness) -> float:
 
 
 def random_chain(case: Parameters) -> Chain:
-    """Return a chain with masses and strengths in 1/2 to 2 and exponents in 1/40 to 1/20, by the seed of the case; 0 is
-    homogeneous.
+    """Return a random chain of beads, generated from the seed of the case. Seed 0 gives a homogeneous chain.
+
+    Masses and contact strengths are between 1/2 and 2. Exponents are between 1/40 and 1/20.
     """
     n = round(case["n"])
     if not case["seed"]:
@@ -111,8 +119,9 @@ def random_chain(case: Parameters) -> Chain:
 
 
 def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> float:
-    """Return the largest |full - model| divided by the peak of the full force, in the middle 80 % of the struck
-    contact's time.
+    """Return the largest |full - model| of a force, divided by the peak of the full force.
+
+    Only the middle 80 % of the time in which the struck contact is closed is considered.
     """
     struck, velocity = strikers - 1, start(chain, strikers)
     end = first_opening(solver.motion(chain, velocity), struck)
@@ -123,7 +132,7 @@ def force_error(chain: Chain, solver: MethodFineness, strikers: int = 1) -> floa
 
 
 def clusters(case: Parameters) -> Chain:
-    """Return a homogeneous chain of m on n."""
+    """Return a homogeneous chain in which m beads hit n beads."""
     return cluster_on_cluster(round(case["m"]), round(case["n"]), power_law(1.0, 1.0 / case["1/alpha"]))
 
 

@@ -1,4 +1,4 @@
-"""Picture of a study: every case with its error bar over the variable, the allowed value, the nearest counter-example."""
+"""Figure of a study. It shows each case with its error bar, the allowed value and the nearest counter-example."""
 
 from __future__ import annotations
 
@@ -21,18 +21,22 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-LOG_SPAN = 30.0  # An axis with at least this ratio of the largest to the smallest positive number is logarithmic.
+LOG_SPAN = 30.0  # An axis is logarithmic if its largest positive number divided by its smallest is at least this ratio.
 SIDE_STYLES: dict[CaseOutcome, dict[str, Any]] = {
     CaseOutcome.HOLDS: {"color": BLUE, "marker": "o"},
     CaseOutcome.FAILS: {"color": RED, "marker": "s"},
     CaseOutcome.UNDETERMINED: {"color": GREY, "marker": "x"},
 }
-FEW_DECADES = 100.0  # ratio of the largest to the smallest value
-MOST_TITLE = 60  # characters of a line above the picture, which has the width of a column
+FEW_DECADES = 100.0  # Largest ratio of the values of an axis at which 2 and 5 of each decade are labelled.
+MOST_TITLE = 60  # Maximum number of characters in a line of the title. The figure is as wide as a column of a journal.
 
 
 def study_table(study: JudgedClaim) -> Table:
-    """Return a row for each case: parameters, variable, value, error, allowed value, and 1 (holds), -1 (fails) or 0."""
+    """Return a table with one row for each case.
+
+    The columns are the parameters, the variable, the value, its error, the allowed value and the outcome. The outcome
+    is 1 if the claim holds, -1 if it fails and 0 if it is undetermined.
+    """
     table: Table = {
         name: np.array([case.parameters[name] for case in study.cases]) for name in study.cases[0].parameters
     }
@@ -43,7 +47,7 @@ def study_table(study: JudgedClaim) -> Table:
 
 
 def draw_study(study: JudgedClaim) -> Figure:
-    """Draw all cases in the width of a journal column."""
+    """Draw all cases of a study in a figure that is as wide as a column of a journal."""
     figure, axes = new_figure(height=2.9)
     _set_scales(axes, study)
     for side in CaseOutcome:
@@ -76,7 +80,7 @@ def _draw_cases(axes: Axes, cases: list[Case], side: CaseOutcome) -> None:
 
 
 def _ring(axes: Axes, case: Case, label: str, colour: str) -> None:
-    """Draw a ring around a case that has a value."""
+    """Draw a ring around `case` if it has a value."""
     if math.isfinite(case.value):
         axes.plot(
             [case.variable], [case.value], "o", markersize=9.0, markerfacecolor="none", color=colour, linestyle="none",
@@ -96,7 +100,7 @@ def _set_scales(axes: Axes, study: JudgedClaim) -> None:
 
 
 def _label_decades(axis: Axis, values: np.ndarray) -> None:
-    """Label the decades; if there are few, also 2 and 5 of each."""
+    """Label the powers of ten of an axis. If there are few of them, also label 2 and 5 times each."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     if values.max() < FEW_DECADES * values.min():
@@ -119,7 +123,7 @@ COLOURS = {Verdict.HOLDS: "green", Verdict.WITHIN: "yellow", Verdict.BEYOND: "re
 
 
 def print_studies(output: Console, studies: Sequence[JudgedClaim]) -> None:
-    """Print a row for each claim, and the count of each verdict."""
+    """Print one row for each claim, and the number of claims with each verdict."""
     grid = table("claim", "statement and place", "what we measure", "range", "verdict")
     grid.show_lines, grid.expand = True, True
     for column, share in zip(grid.columns, (2, 5, 9, 4, 3), strict=True):
@@ -134,7 +138,7 @@ def print_studies(output: Console, studies: Sequence[JudgedClaim]) -> None:
 
 
 def print_study(output: Console, study: JudgedClaim) -> None:
-    """Print one claim: statement, verdict, how it was measured, and all cases."""
+    """Print the statement of one claim, its verdict, the description of the measurement, and all cases."""
     output.print(f"{study.name}: {study.statement} ({study.place})", style="bold")
     output.print(study.verdict_text, style=COLOURS[study.verdict])
     output.print(f"Measured: {study.measured_text}.")
@@ -151,7 +155,7 @@ def print_study(output: Console, study: JudgedClaim) -> None:
 
 
 def markdown(studies: Sequence[JudgedClaim]) -> Iterator[str]:
-    """Yield the lines of a table in Markdown: a row for each claim, in the order of the paper."""
+    """Yield the lines of a Markdown table that has one row for each claim, in the order of the paper."""
     yield "| claim | what the paper states | verdict | what was found |"
     yield "|---|---|---|---|"
     for study in studies:
@@ -160,7 +164,7 @@ def markdown(studies: Sequence[JudgedClaim]) -> Iterator[str]:
 
 
 def _cell(text: str) -> str:
-    """Escape text so that powers, products, bars and comparisons are not read as mark-up."""
+    """Escape `text` for a table cell. Markdown would read powers, products, bars and comparisons as mark-up."""
     if text.startswith("`"):
         return text
     for sign in "\\|*_<>$[]":
@@ -169,7 +173,7 @@ def _cell(text: str) -> str:
 
 
 def as_json(study: JudgedClaim) -> dict[str, Any]:
-    """Return a study as JSON; numbers that do not exist are null."""
+    """Return a study as JSON data. Missing and undefined numbers are null."""
     counter = study.counter_example
     return {
         "name": study.name, "statement": study.statement, "place": study.place, "quantity": study.quantity,
@@ -190,7 +194,7 @@ def _case_json(case: Case) -> dict[str, Any]:
 
 
 def write_studies(studies: Sequence[JudgedClaim], folder: Path) -> list[Path]:
-    """Write the picture of each study as .png, .pdf and .csv; return the paths."""
+    """Write each study as .png, .pdf and .csv files, and return their paths."""
     paths: list[Path] = []
     with styled():
         for study in studies:

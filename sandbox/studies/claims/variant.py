@@ -1,4 +1,7 @@
-"""Claims about variants of the set-up: heterogeneous chains, a Hooke interface, prestress and waves. Sec. V, App. A."""
+"""Claims about variants of the set-up, from Sec. V and App. A.
+
+The variants are heterogeneous chains, a Hooke contact in the middle, prestress, and waves.
+"""
 
 import math
 
@@ -29,18 +32,21 @@ from softcradle.sandbox.studies.paper import (
 SEED = 20100324
 CHAINS = 100
 TARGETS = 6
-CRADLES = 30  # random chains of each width
-SIDE_BY_SIDE = 12  # how many of them are computed as soft and as usual chains
+CRADLES = 30  # Number of random chains for each width of disorder.
+SIDE_BY_SIDE = 12  # Number of random chains that are computed both as soft chains and as usual cradles.
 HERTZ = 1.5
-WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH
-INVERSE = (30.0, 50.0)  # range of 1/alpha in a random chain
+WIDTH = 2.0  # Masses and strengths lie between 1/WIDTH and WIDTH.
+INVERSE = (30.0, 50.0)  # Range of 1/alpha in a random chain.
 WAVE_BEADS = 60
-SPRING_TIME = 6.0  # three times the time for which the striker pushes
-NUDGE = 1e-4  # speed of the bead that starts a wave under prestress, relative to the speed that would open a contact
+SPRING_TIME = 6.0  # Duration of the simulation: three times the time for which the striker is in contact.
+NUDGE = 1e-4  # Speed of the bead that starts a wave under prestress, relative to the speed that would open a contact.
 
 
 def random_chain(case: Parameters) -> Chain:
-    """Return one on TARGETS with random masses, strengths and exponents by the seed of the case; 0 is homogeneous."""
+    """Return a random chain in which one bead hits TARGETS beads, generated from the seed of the case.
+
+    Masses, contact strengths and exponents are random. Seed 0 gives a homogeneous chain.
+    """
     random = np.random.default_rng([SEED, round(case["seed"])])
     width = WIDTH if case["seed"] else 1.0
     mass, strength = random_beads(random, TARGETS, width)
@@ -48,14 +54,15 @@ def random_chain(case: Parameters) -> Chain:
 
 
 def weighted_spread(case: Parameters, solver: MethodFineness) -> float:
-    """Return `spread_by_mass` of the case."""
+    """Return `spread_by_mass` for the chain of the case."""
     chain = random_chain(case)
     return spread_by_mass(np.array(chain.mass)[1:], solver.motion(chain, start(chain)).final_velocity[1:])
 
 
 def momentum_of_last(case: Parameters, solver: MethodFineness) -> float:
-    """Return the mean share of the momentum that the last bead of the usual cradle takes, over random chains of that
-    width.
+    """Return the mean share of the momentum that the last bead of the usual cradle receives.
+
+    The mean is over random chains whose width of disorder is that of the case.
     """
     taken = []
     for seed in range(CRADLES):
@@ -66,11 +73,10 @@ def momentum_of_last(case: Parameters, solver: MethodFineness) -> float:
 
 
 def misplaced(width: float, exponent: float, solver: MethodFineness) -> float:
-    """Return the mean share of the momentum that ends elsewhere than without disorder, over random chains of that
-    width.
+    """Return the mean share of the momentum that disorder transfers to other beads.
 
-    Without disorder, soft beads share it as one rigid body, and in the usual cradle (exponent above 1) the last bead
-    takes all of it.
+    The mean is over random chains of width `width`. Without disorder, soft beads share the momentum as one rigid body.
+    In the usual cradle, with an exponent above 1, the last bead then receives all of it.
     """
     parts = []
     for seed in range(SIDE_BY_SIDE):
@@ -83,8 +89,9 @@ def misplaced(width: float, exponent: float, solver: MethodFineness) -> float:
 
 
 def contrast(case: Parameters, solver: MethodFineness) -> float:
-    """Return the misplaced momentum in soft chains, divided by the misplaced momentum in usual cradles of the same
-    beads.
+    """Return the misplaced momentum in soft chains, divided by the misplaced momentum in usual cradles.
+
+    Both kinds of chain have the same random masses and strengths.
     """
     soft, usual = (
         misplaced(case["width"], exponent, solver) - misplaced(1.0, exponent, solver)
@@ -94,13 +101,13 @@ def contrast(case: Parameters, solver: MethodFineness) -> float:
 
 
 def interface_load(case: Parameters) -> float:
-    """Return the force that the first inner contact must transmit if the cluster is rigid, in units of its f0."""
+    """Return the force that the first inner contact transmits if the cluster is rigid, in units of its f0."""
     n = case["n"]
     return (n - 1.0) / n * case["V"] * math.sqrt(case["k"] * n / (n + 1.0))
 
 
 def interface_spread(case: Parameters, solver: MethodFineness) -> float:
-    """Return the spread of the targets behind a truncated Hooke spring, divided by their mean."""
+    """Return the spread of the velocities of the targets behind a truncated Hooke spring, divided by their mean."""
     n = round(case["n"])
     chain = one_on(n, (hooke(case["k"]), *(power_law(1.0, 1.0 / case["1/alpha"]),) * (n - 1)))
     velocity = solver.motion(chain, start(chain, speed=case["V"])).final_velocity[1:]
@@ -108,25 +115,25 @@ def interface_spread(case: Parameters, solver: MethodFineness) -> float:
 
 
 def last_bead(case: Parameters, solver: MethodFineness) -> float:
-    """Return the share of the striker's velocity that the last bead of the usual cradle does not take."""
+    """Return the share of the striker's velocity that the last bead of the usual cradle does not receive."""
     n = round(case["n"])
     chain = one_on(n, hertz(1.0))
     return 1.0 - float(solver.motion(chain, start(chain)).final_velocity[-1])
 
 
 def pressed_chain(beads: int, alpha: float, prestress: float) -> Chain:
-    """Return a row of unit beads whose ends are pressed together by a steady force, at rest under it."""
+    """Return a chain of unit beads at rest, whose ends are pressed together by a steady force."""
     law = power_law(1.0, alpha)
     drive = [prestress, *[0.0] * (beads - 2), -prestress]
     return Chain([1.0] * beads, law, [-float(law.overlap(prestress))] * (beads - 1), drive)
 
 
 def wave_speed(case: Parameters, solver: MethodFineness) -> float:
-    """Return the speed (beads per unit of time) of a small pulse along a row under prestress, between contacts 15 and
-    45.
+    """Return the speed of a small pulse along a chain under prestress, measured between the contacts 15 and 45.
 
-    Another prestress only changes the units of length and time. Uniform sample times, up to a power of two, do not
-    scale with these units, so the arrival times are a measurement and not an identity.
+    The unit is beads per unit of time. Another prestress only changes the units of length and time. Uniform sample
+    times, up to a power of two, do not scale with these units. The arrival times are therefore a measurement and not an
+    identity.
     """
     alpha, prestress = 1.0 / case["1/alpha"], case["prestress"]
     chain = pressed_chain(WAVE_BEADS, alpha, prestress)
@@ -140,26 +147,35 @@ def wave_speed(case: Parameters, solver: MethodFineness) -> float:
 
 
 def _linear_speed(alpha: float, prestress: float) -> float:
-    """Return ``sqrt(f'(d) / m)`` at the prestress: prestress**((alpha-1)/(2 alpha)) sqrt(alpha)."""
+    """Return the speed ``sqrt(f'(d) / m)`` of linear waves under a prestress.
+
+    It equals prestress**((alpha-1)/(2 alpha)) sqrt(alpha).
+    """
     return math.sqrt(alpha) * prestress ** ((alpha - 1.0) / (2.0 * alpha))
 
 
 def fall_with_prestress(case: Parameters, solver: MethodFineness) -> float:
-    """Return the logarithm of the ratio of the wave speeds at this prestress and at a tenth less: below 0 if less is
-    faster.
+    """Return the logarithm of the ratio of the wave speeds at two values of the prestress.
+
+    They are the prestress of the case and nine tenths of it. The result is below 0 if the wave is faster with less
+    prestress.
     """
     less = {**case, "prestress": 0.9 * case["prestress"]}
     return math.log(wave_speed(case, solver) / wave_speed(less, solver))
 
 
 def sprung_cluster(case: Parameters) -> Chain:
-    """Return one on n, whose targets are joined by springs of stiffness k under a prestress that they never lose."""
+    """Return a chain in which one bead hits n beads that are joined by springs of stiffness k.
+
+    The prestress of the springs is so large that they never lose it.
+    """
     return pressed_cluster(round(case["n"]), hooke(case["k"]), SPRING_PRESTRESS)
 
 
 def vibration(case: Parameters, solver: MethodFineness) -> float:
-    """Return the root mean square deviation of the targets' velocities after the striker has left, relative to their
-    mean.
+    """Return the root mean square deviation of the targets' velocities from their mean, relative to that mean.
+
+    It is measured after the striker has left.
     """
     chain = sprung_cluster(case)
     found = solver.motion(chain, start(chain), SPRING_TIME, 4001)
@@ -168,7 +184,7 @@ def vibration(case: Parameters, solver: MethodFineness) -> float:
 
 
 def few_passages(case: Parameters, solver: MethodFineness) -> float:
-    """Return 3 divided by the turning points of the force in the last spring while the striker pushes."""
+    """Return 3 divided by the number of turning points of the force in the last spring while the striker is in contact."""
     chain = sprung_cluster(case)
     found = solver.motion(chain, start(chain), SPRING_TIME, 4001)
     force = found.force[found.time < first_opening(found), -1]
@@ -176,11 +192,11 @@ def few_passages(case: Parameters, solver: MethodFineness) -> float:
 
 
 def echo(case: Parameters, solver: MethodFineness) -> float:
-    """Return the change of the first bead's velocity, relative to its start, when the pulse may be back from the free
-    end of the springs.
+    """Return the change of the first bead's velocity by a pulse that may have returned from the free end of the
+    springs.
 
-    The springs push with unit stiffness, so that the pulse moves one bead in a unit of time, and pull with `pull` times
-    that.
+    The change is relative to the bead's initial velocity. The springs push with unit stiffness, so the pulse advances
+    by one bead in a unit of time. They pull with the stiffness `pull`.
     """
     beads = round(case["beads"])
     spring = Coupler(hooke(1.0), pull=hooke(case["pull"])) if case["pull"] else hooke(1.0)
@@ -191,7 +207,7 @@ def echo(case: Parameters, solver: MethodFineness) -> float:
 
 
 def few_turns(case: Parameters, solver: MethodFineness) -> float:
-    """Return 3 divided by the turning points of the force in the middle of a struck cluster under prestress."""
+    """Return 3 divided by the number of turning points of the force in the middle of a struck cluster under prestress."""
     alpha, prestress = 1.0 / case["1/alpha"], case["prestress"]
     chain = pressed_cluster(N, power_law(1.0, alpha), prestress)
     period = 2.0 * math.pi / math.sqrt(2.0 * _linear_speed(alpha, prestress) ** 2)
