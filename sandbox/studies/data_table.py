@@ -1,4 +1,4 @@
-"""Table of numbers by columns: the data of a figure and of its .csv file."""
+"""Table of numbers in columns, used for the data of a figure and for its .csv file."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write `header` and `rows` to `path`."""
+    """Write the row `header` and the `rows` to the .csv file `path`."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(header)
@@ -17,11 +17,14 @@ def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[object
 
 
 Array = NDArray[np.float64]
-Table = dict[str, Array]  # column name: its values (T,)
+Table = dict[str, Array]  # Maps each column name to the values (T,) of the column.
 
 
 def long_table(columns: Sequence[str], blocks: Sequence[Sequence[ArrayLike]]) -> Table:
-    """Return a table from blocks of rows; each block contains a value or an array for every column, broadcast together."""
+    """Return a table that consists of the rows of all `blocks`.
+
+    A block contains a value or an array for each column. Its values and arrays are broadcast together.
+    """
     arrays = [
         np.column_stack(np.broadcast_arrays(*[np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in block]))
         for block in blocks
@@ -31,7 +34,7 @@ def long_table(columns: Sequence[str], blocks: Sequence[Sequence[ArrayLike]]) ->
 
 
 def rows_where(table: Table, **values: float) -> Table:
-    """Return the rows of `table` in which the named columns have these values."""
+    """Return the rows of `table` in which the named columns have the given values."""
     rows = np.ones(len(next(iter(table.values()))), dtype=bool)
     for name, value in values.items():
         rows &= np.isclose(table[name], value, rtol=1e-12, atol=0.0)
@@ -39,5 +42,8 @@ def rows_where(table: Table, **values: float) -> Table:
 
 
 def write_table(table: Table, path: Path) -> None:
-    """Write `table` to `path`: a header with the column names, then a row for each sample. Numbers read back equal."""
+    """Write `table` to the .csv file `path`, with the column names in the first row.
+
+    Numbers that are read from the file are equal to the numbers of the table.
+    """
     write_rows(path, tuple(table), zip(*(column.tolist() for column in table.values()), strict=True))

@@ -27,7 +27,8 @@ SIDE_STYLES: dict[CaseOutcome, dict[str, Any]] = {
     CaseOutcome.FAILS: {"color": RED, "marker": "s"},
     CaseOutcome.UNDETERMINED: {"color": GREY, "marker": "x"},
 }
-FEW_DECADES = 100.0  # Largest ratio of the values of an axis at which 2 and 5 of each decade are labelled.
+# The labels 2 and 5 of each decade are drawn if the ratio of the largest to the smallest value is below this number.
+FEW_DECADES = 100.0
 MOST_TITLE = 60  # Maximum number of characters in a line of the title. The figure is as wide as a column of a journal.
 
 

@@ -1,1 +1,1 @@
-"""Comparison of the same collision in several chains, in one film and in numbers: sides, results, report."""
+"""Comparison of the same collision in several chains. The result is a film, a page, or a table of numbers."""

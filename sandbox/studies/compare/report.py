@@ -1,5 +1,6 @@
-"""Files of a comparison: a page with player, charts and tables, a film, or the numbers. Each is written completely or
-not at all.
+"""Files of a comparison: a page with a player, charts and tables, or a film, or the numbers.
+
+Each file is written completely or not at all.
 """
 
 import math
@@ -39,11 +40,11 @@ from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
-LAW_POINTS = 400  # points of the curve of a contact law
+LAW_POINTS = 400  # Number of points of the curve of a contact law.
 
 
 class TimeAxis:
-    """Time axis of all charts of a page and of its player, in a suitable unit."""
+    """Time axis that all charts and the player of a page share, with a suitable unit."""
 
     def __init__(self, played: PlayedMotion) -> None:
         self.begin, self.end = played.scales.time
@@ -51,12 +52,13 @@ class TimeAxis:
         self.label = f"{TIME.name} ({self.unit_name})"
 
     def axes(self, values: Range, label: str) -> ChartAxes:
-        """Return the axes of `values` over time."""
+        """Return the axes of a chart that shows `values` over time."""
         return ChartAxes((self.begin / self.unit, self.end / self.unit), values, self.label, label)
 
     def times(self, result: SideResult) -> Array:
-        """Return the (T+2,) sample times, then the end of the motion and of the axis, in the unit; see
-        :func:`_extended`.
+        """Return the (T+2,) sample times in the unit of the axis.
+
+        The last two entries are the end of the motion and the end of the axis; see :func:`_extended`.
         """
         time = result.trajectory.time
         extended: Array = np.concatenate((time, [time[-1], max(self.end, float(time[-1]))])) / self.unit
@@ -64,23 +66,25 @@ class TimeAxis:
 
 
 def _extended(values: Array, last: Array | float) -> Array:
-    """Return the (T+2, ...) `values` (T, ...) followed by the `last` ones twice, which hold after the end of the
-    motion.
+    """Return the (T+2, ...) array that consists of `values` (T, ...) and two copies of `last`.
+
+    The values `last` apply from the end of the motion to the end of the axis.
     """
     extended: Array = np.concatenate((values, np.broadcast_to(last, (2, *values.shape[1:]))))
     return extended
 
 
 def _forces(result: SideResult) -> Array:
-    """Return the (T+2, n) contact forces; after the motion they are 0 for contacts that are open at its end."""
+    """Return the (T+2, n) contact forces. After the motion, the force of a contact that is open at its end is 0."""
     found = result.trajectory
     closed = [bool(spans) and math.isinf(spans[-1][1]) for spans in found.contact_intervals]
     return _extended(found.force, np.where(closed, found.force[-1], 0.0))
 
 
 def overlays(results: Sequence[SideResult], axis: TimeAxis) -> str:
-    """Return charts of the force of the struck contact, the energy inside the target cluster, and the contact laws, for
-    all sides.
+    """Return three charts that compare all sides.
+
+    They show the force of the struck contact, the energy inside the target cluster, and the contact laws.
     """
     forces = [_forces(result)[:, result.measures.struck] for result in results]
     inside = [_energy_inside(result) for result in results]
@@ -107,10 +111,9 @@ def _energy_inside(result: SideResult) -> Array:
 
 
 def _law_chart(results: Sequence[SideResult]) -> str:
-    """Return a chart of the law of the struck contact up to the largest overlap on any side, with the jump at overlap
-    0.
+    """Return a chart of the law of the struck contact, up to the largest overlap on any side.
 
-    It is empty without such a law.
+    The chart includes the jump of the force at overlap 0. The text is empty if no side has such a law.
     """
     deepest = max(float(r.trajectory.overlap[:, r.measures.struck].max()) for r in results)
     if deepest <= 0.0:
@@ -129,7 +132,7 @@ def _law_chart(results: Sequence[SideResult]) -> str:
 
 
 def contact_bars(results: Sequence[SideResult], axis: TimeAxis) -> str:
-    """Return a chart for each side: when each contact is open, touching and loaded."""
+    """Return a chart for each side that shows when each contact is open, touching and loaded."""
     charts = []
     for result in results:
         rows = [(f"{k}-{k + 1}", _states(result, k, axis)) for k in range(result.trajectory.chain.contacts)]
@@ -138,14 +141,17 @@ def contact_bars(results: Sequence[SideResult], axis: TimeAxis) -> str:
 
 
 def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str, float, float]]:
-    """Return (state, begin, end) in the unit of the axis: open, closed, and loaded, which is drawn over touching."""
+    """Return (state, begin, end) in the unit of the axis for the states open, closed and loaded.
+
+    The state loaded is drawn on top of touching.
+    """
     trajectory, unit = result.trajectory, axis.unit
     found, opened_last = list[tuple[str, float, float]](), axis.begin
     loaded = loaded_samples(trajectory)[:, contact]
     plain = not can_touch(trajectory.chain.contact[contact])
     for begin, opened in trajectory.contact_intervals[contact]:
         end = opened if math.isfinite(opened) else axis.end
-        # contacts between beads at rest do not count as touching before the collision begins
+        # A contact between beads at rest does not count as touching before the collision begins.
         closed = begin if plain else max(begin, first_touch(trajectory, result.measures.struck))
         if closed < end:
             found += [("open", opened_last / unit, closed / unit)] if opened_last < closed else []
@@ -157,7 +163,10 @@ def _states(result: SideResult, contact: int, axis: TimeAxis) -> list[tuple[str,
 
 
 def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float) -> list[tuple[float, float]]:
-    """Return the intervals between `begin` and `end` in which `loaded` (T,) is true, extended by a sample at both ends."""
+    """Return the intervals between `begin` and `end` in which `loaded` (T,) is True.
+
+    Each interval is extended by one sample at both ends.
+    """
     inside = loaded & (time >= begin) & (time <= end)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], inside.astype(int), [0]))))
     last = len(time) - 1
@@ -168,7 +177,10 @@ def _intervals(time: Array, loaded: NDArray[np.bool_], begin: float, end: float)
 
 
 def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Sequence[str] = ()) -> str:
-    """Return the page as text. `scene` has a lane for each of `results`; `notes` are sentences below the numbers."""
+    """Return the HTML page as text.
+
+    The scene has one lane for each of `results`. The sentences `notes` appear below the numbers.
+    """
     names = [result.side.name for result in results]
     played = PlayedMotion(scene, tuple(result.trajectory for result in results), tuple(names))
     axis, measures, speeds = TimeAxis(played), collision_table(results), velocity_table(results)
@@ -189,7 +201,7 @@ def html_page(title: str, scene: Scene, results: Sequence[SideResult], notes: Se
 
 
 def _meanings(tables: Sequence[ResultTable], contacts: Sequence[ResultTable]) -> str:
-    """Return the meaning of each row of `tables` and of each column of `contacts`."""
+    """Return a text that explains each row of `tables` and each column of `contacts`."""
     above = {title for found in contacts for title in found.titles}
     columns = [(title_of(one), one.metadata["meaning"]) for one in fields(ContactMeasures) if title_of(one) in above]
     meanings: dict[str, str] = {}
@@ -202,11 +214,11 @@ def _meanings(tables: Sequence[ResultTable], contacts: Sequence[ResultTable]) ->
     return f"<dl>{''.join(items)}</dl>"
 
 
-FILM_WIDTH = 1280  # [pixels]
-FILM_LEAST_HEIGHT = 720  # [pixels]
-FILM_MARGIN = 96  # [pixels] above and below all rows
-FILM_ROW = 300  # [pixels] height of one side
-LONGEST_FILM = 20.0  # longest film [s] without a given slow motion
+FILM_WIDTH = 1280  # Width of the film [pixels].
+FILM_LEAST_HEIGHT = 720  # Smallest height of the film [pixels].
+FILM_MARGIN = 96  # Height of the free space above and below all rows of the film [pixels].
+FILM_ROW = 300  # Height of the row of one side in the film [pixels].
+LONGEST_FILM = 20.0  # Longest duration of the film [s] if the user does not set the slow motion.
 FILM_SUFFIXES = (".mp4", ".gif")
 PLAYED_SUFFIXES = (".html", *FILM_SUFFIXES)
 SUFFIXES = (".json", *PLAYED_SUFFIXES)
@@ -217,21 +229,21 @@ class FilmSettings:
     """Settings of the film as given by the user.
 
     Attributes:
-        size: [pixels]; None fits the number of sides.
-        slow: seconds of film for each second of motion; None uses the scenes' values, limited to LONGEST_FILM.
+        size: width and height [pixels]; None chooses a size that suits the number of sides.
+        slow: seconds of film for each second of motion. None uses the values of the scenes, limited by LONGEST_FILM.
     """
 
     size: tuple[int, int] | None = None
     slow: float | None = None
 
     def pixels(self, comparison: Comparison) -> tuple[int, int]:
-        """Return the size of the film, with a row for each side."""
+        """Return width and height of the film [pixels]. Each side has a row in the film."""
         height = max(FILM_LEAST_HEIGHT, FILM_MARGIN + FILM_ROW * len(comparison.sides))
         return self.size or (FILM_WIDTH, height)
 
 
 def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmSettings) -> None:
-    """Raise a UserError for an unknown kind of file, or for settings that none of the files uses."""
+    """Raise UserError if the kind of a file is unknown, or if a setting is not used by any file."""
     for path in paths:
         if path.suffix not in SUFFIXES:
             raise UserError(f"cannot write {path}: the name must end in {', '.join(SUFFIXES)}")
@@ -244,7 +256,7 @@ def check_outputs(paths: Sequence[Path], comparison: Comparison, settings: FilmS
 
 @dataclass(frozen=True)
 class ComparisonReport:
-    """A comparison with its results, the settings of its film, and the nearest contact if one was searched."""
+    """Comparison with its results, its film settings and, if a search was requested, the nearest contact."""
 
     comparison: Comparison
     results: Sequence[SideResult]
@@ -252,22 +264,22 @@ class ComparisonReport:
     match: Match | None = None
 
     def notes(self) -> list[str]:
-        """Return the sentences below the numbers."""
+        """Return the sentences that appear below the numbers."""
         return [] if self.match is None else [match_sentence(self.match)]
 
     def as_json(self) -> dict[str, Any]:
-        """Return everything as plain numbers, lists and texts."""
+        """Return the whole report as JSON data: numbers, lists and texts."""
         content = results_as_json(self.comparison, self.results)
         return content if self.match is None else content | {"match": match_as_json(self.match)}
 
     def html(self) -> str:
-        """Return the page as text."""
+        """Return the HTML page as text."""
         scene = self._scene()
         view = scene.view.model_copy(update={"slow": self._slow_motion(scene)})
         return html_page(self.comparison.title, scene.model_copy(update={"view": view}), self.results, self.notes())
 
     def write(self, path: Path) -> None:
-        """Write the kind of file that the suffix of `path` selects."""
+        """Write the report to `path`. The suffix of `path` selects the kind of file."""
         if path.suffix == ".json":
             path.write_text(readable_json(self.as_json()) + "\n", encoding="utf-8")
         elif path.suffix == ".html":
@@ -280,5 +292,5 @@ class ComparisonReport:
         return self.comparison.as_scene(end_time(self.results))
 
     def _slow_motion(self, scene: Scene) -> float:
-        """Return the seconds of film for each second of motion."""
+        """Return the number of seconds of film for each second of motion."""
         return self.settings.slow or min(scene.view.slow, LONGEST_FILM / end_time(self.results))

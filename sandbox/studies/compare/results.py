@@ -1,4 +1,4 @@
-"""Results of a comparison: the trajectory of each side, its measures, and tables for terminal and page."""
+"""Results of a comparison: the motion of each side, its measures, and tables for the terminal and the page."""
 
 import math
 import warnings
@@ -23,7 +23,7 @@ from softcradle.scenes.contact_text import contact_text
 
 @dataclass(frozen=True)
 class SideResult:
-    """Trajectory and measures of one side."""
+    """Computed motion and measures of one side of a comparison."""
 
     side: Side
     trajectory: Trajectory
@@ -31,13 +31,13 @@ class SideResult:
 
     @property
     def contact(self) -> str:
-        """Contacts of the side in a line of text; equal neighbours are named once."""
+        """Contacts of the side as one line of text. Equal neighbouring contacts are listed once."""
         found = [text for text, _ in groupby(map(contact_text, self.trajectory.chain.contact))]
         return ", ".join(found) if len(found) <= 4 else f"{found[0]}, ... {found[-1]}"
 
 
 def solve_sides(comparison: Comparison) -> list[SideResult]:
-    """Simulate and measure every side.
+    """Simulate every side of the comparison and compute its measures.
 
     Raises:
         UserError: if a side does not accept the method or step.
@@ -47,7 +47,8 @@ def solve_sides(comparison: Comparison) -> list[SideResult]:
 
 def _solve_side(side: Side) -> SideResult:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # the report shows trajectory.warnings, which are the same
+        # The warnings are suppressed because the report shows the same warnings from `trajectory.warnings`.
+        warnings.simplefilter("ignore", RuntimeWarning)
         try:
             trajectory = collide(side.lane.chain(), side.lane.velocity, **side.scene.settings())
         except ValueError as error:
@@ -63,7 +64,7 @@ def end_time(results: Sequence[SideResult]) -> float:
 
 
 def results_as_json(comparison: Comparison, results: Sequence[SideResult]) -> dict[str, Any]:
-    """Return everything as plain numbers, lists and texts."""
+    """Return the results of all sides as JSON data: numbers, lists and texts."""
     return {"title": comparison.title, "sides": [_side_as_json(result) for result in results], "versions": versions()}
 
 
@@ -84,18 +85,19 @@ def _side_as_json(result: SideResult) -> dict[str, Any]:
     }
 
 
-# As a fraction of the whole time. Shorter times in a state are errors of the switch times, and shown as 0.
+# Shortest duration of a contact state, as a fraction of the whole time. A shorter duration is within the error of the
+# event times, and is shown as 0.
 SHORTEST_TIME = 1e-6
 
 
 def _table(results: Sequence[SideResult], rows: Sequence[tuple[str, str, Sequence[str]]]) -> ResultTable:
-    """Return a table with a column for each side, from rows of title, meaning and values."""
+    """Return a table with a column for each side. Each of `rows` consists of a title, its meaning and the values."""
     titles = ("", *(result.side.name for result in results))
     return ResultTable(titles, tuple((title, *values) for title, _, values in rows), tuple(hint for _, hint, _ in rows))
 
 
 def collision_table(results: Sequence[SideResult]) -> ResultTable:
-    """Return a table with a row for each measure of the whole collision."""
+    """Return a table with a row for each measure that describes the whole collision."""
     rows = []
     for field in fields(CollisionMeasures):
         if "title" not in field.metadata or field.name == "final_velocity":
@@ -109,7 +111,7 @@ def collision_table(results: Sequence[SideResult]) -> ResultTable:
 
 
 def velocity_table(results: Sequence[SideResult]) -> ResultTable:
-    """Return a table of the final velocity of each bead, and their error if a method reports it."""
+    """Return a table of the final velocity of each bead. It includes error estimates if a method reports them."""
     final = [result.measures.final_velocity for result in results]
     rows = []
     for bead in range(max(map(len, final))):
@@ -123,7 +125,7 @@ def velocity_table(results: Sequence[SideResult]) -> ResultTable:
 
 
 def contact_table(result: SideResult) -> ResultTable:
-    """Return a table with a row for each contact of one side, without empty columns."""
+    """Return a table with a row for each contact of one side. Empty columns are left out."""
     rows, shortest, contacts = [], SHORTEST_TIME * float(result.trajectory.time[-1]), result.measures.contacts
     found = [
         field for field in fields(ContactMeasures) if any(getattr(one, field.name) is not None for one in contacts)
@@ -137,13 +139,16 @@ def contact_table(result: SideResult) -> ResultTable:
 
 
 def title_of(field: Field[Any]) -> str:
-    """Return the name of a measure, with its unit."""
+    """Return the name of a measure with its unit."""
     title, unit = field.metadata["title"], field.metadata["unit"]
     return f"{title} ({unit})" if unit else str(title)
 
 
 def print_tables(output: Console, title: str, results: Sequence[SideResult]) -> None:
-    """Print the comparison on the terminal; contacts are columns if there are fewer of them than measures."""
+    """Print the comparison on the terminal.
+
+    Contacts are the columns of their table if there are fewer contacts than measures.
+    """
     output.print(title, style="bold")
     speeds, measures = velocity_table(results), collision_table(results)
     print_rows([name.replace("(", "\n(") for name in speeds.titles], speeds.rows + measures.rows, True, output)

@@ -1,5 +1,6 @@
-"""Sides of a comparison: lanes of scenes, one scene with several contacts, the nearest contact. Validated before any
-run.
+"""Sides of a comparison. A side is a lane of a scene, a scene with another contact, or the nearest contact.
+
+All sides are validated before the first simulation.
 """
 
 import re
@@ -18,13 +19,13 @@ from softcradle.scenes.contact_table import Law, law_of
 from softcradle.scenes.contact_text import contact_from, contact_text
 from softcradle.scenes.scene_errors import scene_error
 
-FINENESS = ("method", "step", "tolerance")  # keys of a scene
-MOST_SIDES = 6  # the charts of the page have this many colours
+FINENESS = ("method", "step", "tolerance")  # Names of the scene's fields that set its method and accuracy.
+MOST_SIDES = 6  # Maximum number of sides. The charts of the page have this number of colours.
 
 
 @dataclass(frozen=True)
 class Side:
-    """One chain of a comparison: its name, its lane, and the scene that provides its settings."""
+    """One chain of a comparison, with its name, its lane and the scene that provides its settings."""
 
     name: str
     lane: Lane
@@ -33,15 +34,16 @@ class Side:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two or more sides, and their common title."""
+    """Two or more sides with a common title."""
 
     title: str
     sides: tuple[Side, ...]
 
     def as_scene(self, end: float) -> Scene:
-        """Return all sides as lanes of one scene, which lasts until `end` [s] if any side's scene has a duration.
+        """Return a scene in which each side is a lane. It lasts until `end` [s] if the scene of any side has a
+        duration.
 
-        Its method, step or tolerance, and magnification are set if the scenes of all sides agree.
+        The method, the step or tolerance, and the magnification are set if the scenes of all sides agree.
         """
         lanes = tuple(side.lane.model_copy(update={"label": side.name}) for side in self.sides)
         views = [side.scene.view for side in self.sides]
@@ -68,16 +70,17 @@ class Comparison:
 def comparison_of(
     names: Sequence[str], contacts: Sequence[str], method: str | None = None, step: float | None = None, added: int = 0
 ) -> Comparison:
-    """Return the comparison of the scenes `names`, or of one scene as it is and with each of `contacts` in all its
-    places.
+    """Return the comparison of the scenes `names`, or of one scene with several contacts.
 
-    All sides use `method` and `step`; None uses the scene's. `added` is the number of sides to be added later.
+    If `contacts` are given, the first side is the scene as it is. In each other side, one of `contacts` replaces all
+    contacts of the scene. All sides use `method` and `step`; None uses the settings of the scene. The number `added`
+    counts sides that the caller will add later.
 
     Raises:
         UserError: for an unknown scene or contact, too few or too many sides, or a side in which nothing collides.
     """
     scenes = [_moved_by(load_scene(name), method, step) for name in names]
-    # a report cannot contain characters outside UTF-8
+    # A report cannot contain characters that UTF-8 does not encode.
     told = [name.encode(errors="replace").decode() for name in names]
     sides = [side for name, scene in zip(told, scenes, strict=True) for side in _lane_sides(name, scene, len(scenes))]
     if contacts:
@@ -90,7 +93,7 @@ def comparison_of(
 
 
 def _moved_by(scene: Scene, method: str | None, step: float | None) -> Scene:
-    """Return the scene with that method and step, and with its own tolerance if the method takes one."""
+    """Return `scene` with the given method and step. It keeps its own tolerance if the method uses a tolerance."""
     settings = scene.settings(method=method, step=step)
     if refusal_of_fineness(settings.get("method", ""), None, scene.tolerance):
         settings["tolerance"] = None
@@ -98,7 +101,11 @@ def _moved_by(scene: Scene, method: str | None, step: float | None) -> Scene:
 
 
 def _check(comparison: Comparison, added: int) -> None:
-    """Raise a UserError for too few or too many sides including the `added` ones, an invalid lane, or no collision."""
+    """Raise UserError if the comparison is not valid.
+
+    It must not have too few or too many sides, including the `added` ones. Each lane must be valid and have a
+    collision.
+    """
     count = len(comparison.sides) + added
     if count < 2:
         name = comparison.sides[0].name
@@ -107,7 +114,8 @@ def _check(comparison: Comparison, added: int) -> None:
         raise UserError(f"at most {MOST_SIDES} can be compared side by side, not {count}")
     for side in comparison.sides:
         try:
-            Lane.model_validate(side.lane)  # its law may differ from the law in its file
+            # The law of the lane can differ from the law in its file, so the lane is validated again.
+            Lane.model_validate(side.lane)
             struck_contact(side.lane.velocity)
         except ValidationError as error:
             raise UserError(str(scene_error(side.name, error))) from None
@@ -116,7 +124,7 @@ def _check(comparison: Comparison, added: int) -> None:
 
 
 def _lane_sides(name: str, scene: Scene, scenes: int) -> list[Side]:
-    """Return the lanes of a scene as they are; `scenes` is the number of scenes compared."""
+    """Return each lane of a scene as one side. The number `scenes` counts the compared scenes."""
     if len(scene.lanes) == 1:
         return [Side(name, scene.lanes[0], scene)]
     prefix = f"{name}: " if scenes > 1 else ""
@@ -124,7 +132,7 @@ def _lane_sides(name: str, scene: Scene, scenes: int) -> list[Side]:
 
 
 def _contact_sides(scene: Scene, contacts: Sequence[str]) -> list[Side]:
-    """Return each lane as it is, then with each of the contacts, without duplicates."""
+    """Return each lane of `scene` as it is, and with each of `contacts`. Duplicates are left out."""
     try:
         laws = [contact_from(text) for text in contacts]
     except SceneError as error:
@@ -142,7 +150,7 @@ def _contact_sides(scene: Scene, contacts: Sequence[str]) -> list[Side]:
 
 
 def with_contact(side: Side, law: Law) -> Side:
-    """Return the side with `law` in every contact."""
+    """Return a copy of `side` in which every contact has the law `law`."""
     return Side(contact_text(law), side.lane.model_copy(update={"contact": law}), side.scene)
 
 
@@ -154,7 +162,7 @@ def _title(scenes: Sequence[Scene], sides: Sequence[Side], variants: bool) -> st
 
 
 def _distinct_names(sides: Sequence[Side]) -> tuple[Side, ...]:
-    """Return the sides with distinct names; the second side of a name is called "name (2)", and so on."""
+    """Return the sides with distinct names. If two sides have the same name, the second is called "name (2)"."""
     names: dict[str, int] = {}
     found = []
     for side in sides:
@@ -163,14 +171,17 @@ def _distinct_names(sides: Sequence[Side]) -> tuple[Side, ...]:
     return tuple(found)
 
 
-DIFFERENCES = {  # for each distance: the quantity that differs, and by how much
+DIFFERENCES = {  # For each kind of distance, the quantity that differs and the text for the size of the difference.
     "force": "forces of the struck contact differ by {} in the root mean square",
     "outcome": "final velocities over the closing speed and the logarithm of the contact time differ by {} together",
 }
 
 
 def side_to_match(comparison: Comparison) -> Side:
-    """Return the first side, whose contact is to be matched; raise UserError if it cannot be matched."""
+    """Return the side whose contact is to be matched, which is the first one.
+
+    Raise UserError if its contact cannot be matched.
+    """
     side = comparison.sides[0]
     if len(side.scene.lanes) > 1 or len({other.scene.title for other in comparison.sides}) > 1:
         raise UserError("--match needs one scene with one lane")
@@ -184,7 +195,10 @@ def side_to_match(comparison: Comparison) -> Side:
 def add_match(
     comparison: Comparison, distance: Distance, progress: Callable[[int], None] | None = None
 ) -> tuple[Comparison, Match]:
-    """Return the comparison with the nearest contact as its last side, and the match; `progress` as in `match`."""
+    """Search the nearest contact, and return the comparison with it as the last side, and the match.
+
+    The function `progress` is called as in `match`.
+    """
     side = side_to_match(comparison)
     found = match(side.lane.chain(), side.lane.velocity, distance, progress=progress)
     law: Law = law_of(found.contact)
@@ -196,7 +210,7 @@ def add_match(
 
 
 def short_text(text: str) -> str:
-    """Return the text of a contact with three digits for each number, for labels; JSON has all digits.
+    """Return the text of a contact for labels, with three digits of each number. JSON files contain all digits.
 
     >>> short_text("draft_gear(0.668973, 0.985412)")
     'draft_gear(0.669, 0.985)'
@@ -205,7 +219,7 @@ def short_text(text: str) -> str:
 
 
 def match_sentence(found: Match) -> str:
-    """Return a sentence with the nearest contact, its difference, and whether that is near."""
+    """Return a sentence that names the nearest contact and its difference, and judges if it is near."""
     difference = DIFFERENCES[found.distance].format(f"{100.0 * found.residual:.2g} %")
     kind, contact, given = _family(found), contact_text(found.contact), contact_text(found.given)
     if found.near:
@@ -223,13 +237,13 @@ def match_sentence(found: Match) -> str:
 
 
 def _speed_sentence(ratio: float) -> str:
-    """Return a sentence about the impact speed of the draft gear relative to its critical speed."""
+    """Return a sentence that compares the impact speed of the draft gear with its critical speed."""
     below = ": the clusters stay exactly rigid" if ratio <= 1.0 else ""
     return f"The draft gear is struck at {ratio:.3g} times its critical speed{below}."
 
 
 def match_as_json(found: Match) -> dict[str, Any]:
-    """Return the match as plain numbers and texts."""
+    """Return the match as JSON data: numbers and texts."""
     return asdict(found) | {
         "ends": list(found.ends),
         "sentence": match_sentence(found),

@@ -1,1 +1,4 @@
-"""Figures of the paper, and of data that it mentions without showing: a module for each topic, with table and drawing."""
+"""Figures of the paper, and figures of data that the paper mentions without showing.
+
+Each topic has a module that computes a table and draws it.
+"""

@@ -1,4 +1,4 @@
-"""List of all figures, in the order of the paper: name, place, caption, and the functions that compute and draw."""
+"""List of all figures in the order of the paper. Each entry has a name, a place, a caption and two functions."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FigureEntry:
-    """Entry of the list.
+    """Entry of the list of figures.
 
     Attributes:
         name: argument of `softcradle figures`, and name of the files.
-        place: in the paper.
+        place: number of the figure or section in the paper.
         caption: description of the figure.
-        table: computes the numbers, with a column for each quantity.
-        draw: draws those numbers; call it inside `plot_style.styled`.
+        table: function that computes the numbers, with a column for each quantity.
+        draw: function that draws these numbers; call it inside `plot_style.styled`.
     """
 
     name: str
@@ -80,11 +80,11 @@ FIGURES: tuple[FigureEntry, ...] = (
 
 
 def figures_named(names: Sequence[str]) -> list[FigureEntry]:
-    """Return the figures `names`, or all if empty. Raise UserError."""
+    """Return the figures called `names`, or all figures if `names` is empty. Raise UserError if a name is unknown."""
     return named("figure", names, {figure.name: figure for figure in FIGURES})
 
 
-# Figures that take seconds to minutes each. They are computed first so that no core waits at the end.
+# Figures that take seconds to minutes each. They are computed first, because otherwise cores would wait at the end.
 LONGEST = ("collapse", "softness", "spread", "B")
 
 
@@ -94,9 +94,9 @@ def compute_tables(
     progress: Progress | None = None,
     workers: int | None = None,
 ) -> Iterator[Table]:
-    """Compute the tables of those figures in their order; a point of the sweep is a figure.
+    """Compute the tables of `figures` in their order, as a sweep in which each point is a figure.
 
-    With `kept`, tables of an earlier run are not computed again, see `map_points`.
+    Tables that an earlier sweep has stored in `kept` are not computed again; see `map_points`.
     """
     names = [figure.name for figure in figures]
     order = sorted(names, key=lambda name: name not in LONGEST)
@@ -107,20 +107,23 @@ def compute_tables(
 
 
 def table_columns(figure: str) -> Table:
-    """Compute the table of the figure of that name; its name precedes the names of the columns."""
+    """Compute the table of the figure called `figure`. Each column name in the result begins with the name of the
+    figure.
+    """
     (found,) = figures_named([figure])
     return {f"{figure}: {column}": values for column, values in found.table().items()}
 
 
 def _table_in(row: Mapping[str, Any], figure: str) -> Table:
-    """Return the table of a figure from its point."""
+    """Return the table of a figure from its point of the sweep."""
     own = f"{figure}: "
     return {name.removeprefix(own): values for name, values in row.items() if name.startswith(own)}
 
 
 def write_figure(figure: FigureEntry, folder: Path, table: Table | None = None) -> list[Path]:
-    """Write `figure` into `folder` as .png, .pdf and .csv; return the paths. Compute `table` if it is None. Raise
-    UserError.
+    """Write `figure` into `folder` as .png, .pdf and .csv files, and return their paths.
+
+    The table is computed if `table` is None. Raise UserError if a file cannot be written.
     """
     table = figure.table() if table is None else table
     with styled():

@@ -1,5 +1,6 @@
-"""Figs. 1 and 2, one on four: positions and velocities, comparison with the mode-coupling model, ringing of the inner
-contact.
+"""Figs. 1 and 2 of the paper, in which one bead hits four.
+
+They show positions and velocities, the comparison with the mode-coupling model, and oscillations of the inner contact.
 """
 
 from __future__ import annotations
@@ -36,14 +37,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-POSITIONS_FROM = -1.0  # units of time, start of Fig. 1b; the striker arrives at 0
+POSITIONS_FROM = -1.0  # Start of Fig. 1b in units of time. The striker arrives at time 0.
 POSITIONS_UNTIL = 4.0
-VELOCITIES_UNTIL = 3.0  # units of time, end of Figs. 1c and 1d
+VELOCITIES_UNTIL = 3.0  # End of Figs. 1c and 1d in units of time.
 
 
 def positions() -> Table:
-    """Compute t and the positions x0 ... x4; bead i starts at height i, and the striker flies freely before the
-    collision.
+    """Compute the time t and the positions x0 ... x4.
+
+    Bead i starts at height i. The striker moves freely before the collision.
     """
     found = full_motion(*soft_start(N, ALPHA), POSITIONS_UNTIL)
     before = np.linspace(POSITIONS_FROM, 0.0, 100, endpoint=False)
@@ -53,13 +55,13 @@ def positions() -> Table:
 
 
 def velocities(alpha: float) -> Table:
-    """Compute t and the velocities v0 ... v4 for that exponent, from the first touch on."""
+    """Compute the time t and the velocities v0 ... v4 for the exponent `alpha`, starting at the first touch."""
     found = full_motion(*soft_start(N, alpha), VELOCITIES_UNTIL)
     return {"t": found.time, **{f"v{i}": found.velocity[:, i] for i in range(N + 1)}}
 
 
 def draw_positions(table: Table) -> Figure:
-    """Draw Fig. 1b."""
+    """Draw Fig. 1b of the paper, the positions of the beads."""
     figure, axes = new_figure(height=2.6)
     axes.axvline(0.0, color=GREY, linewidth=0.5, linestyle=":")
     for i in range(N + 1):
@@ -71,7 +73,7 @@ def draw_positions(table: Table) -> Figure:
 
 
 def draw_velocities(table: Table, alpha: float) -> Figure:
-    """Draw Figs. 1c and 1d."""
+    """Draw Figs. 1c and 1d of the paper, the velocities of the beads."""
     figure, axes = new_figure(height=2.5)
     zero_line(axes)
     for i in range(N, -1, -1):
@@ -85,9 +87,9 @@ def draw_velocities(table: Table, alpha: float) -> Figure:
     return figure
 
 
-SIZE = 2  # targets
-SHOWN = 1.0 / 17.0  # exponent of the curve over time
-INVERSE = tuple(np.arange(16.0, 26.1, 0.5).tolist())  # 1/alpha of the periods
+SIZE = 2  # Number of targets in the figure of the inner oscillations.
+SHOWN = 1.0 / 17.0  # Exponent of the curve that is shown over time.
+INVERSE = tuple(np.arange(16.0, 26.1, 0.5).tolist())  # Values of 1/alpha for which periods are computed.
 SAMPLES = 20_001
 
 
@@ -96,8 +98,11 @@ def _while_struck(alpha: float) -> tuple[float, float]:
 
 
 def history() -> Table:
-    """Compute t, f12, and the branch (n-1)/n f01; then a row for each exponent: 1/alpha, turns, period and that of the
-    branch.
+    """Compute the oscillations of the inner contact.
+
+    The first rows contain t, the force f12 and the slow solution (n-1)/n f01. Then there is one row for each exponent.
+    It contains 1/alpha, the number of turning points, the period, and the period of small oscillations about the slow
+    solution.
     """
     end, alpha = _while_struck(SHOWN)
     found = full_motion(*soft_start(SIZE, alpha), end, 4001, 1e-10)
@@ -113,7 +118,7 @@ def history() -> Table:
 
 
 def draw_history(table: Table) -> Figure:
-    """Draw (a) f12 minus its branch over time, (b) the periods over 1/alpha."""
+    """Draw (a) the difference between f12 and its slow solution over time, and (b) the periods over 1/alpha."""
     titles = rf"(a)  $n={SIZE}$, $\alpha=1/{1 / SHOWN:.0f}$", f"(b)  $n={SIZE}$"
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.5, 1, 2, titles)
     shown = np.isfinite(table["t"]) & (table["t"] > 0.1) & (table["t"] < 1.35)
@@ -130,18 +135,21 @@ def draw_history(table: Table) -> Figure:
     return figure
 
 
-UNTIL = 2.5  # units of time, the end of Figs. 2a and 2b: psi is back at zero at 2.1
-FIRST_TIME = 1e-16  # units of time, the left end of Fig. 2d
-RISE_TOLERANCE = 1e-12  # logarithmic axes show all overlaps; with 1e-8 the deepest forces have a step of 0.8 %
+UNTIL = 2.5  # End of Figs. 2a and 2b in units of time. The mode psi has returned to zero at 2.1.
+FIRST_TIME = 1e-16  # Left end of Fig. 2d in units of time.
+# Tolerance for Fig. 2d. Its logarithmic axes show all overlaps, and a tolerance of 1e-8 would make the deepest forces
+# jump by 0.8 %.
+RISE_TOLERANCE = 1e-12
 FORCE_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 FORCE_SYMBOLS = tuple(f"$f_{{{i},{i + 1}}}$" for i in range(N))
-# positions of the labels of Fig. 2d relative to the forces, so that they do not overlap
+# Positions of the labels of Fig. 2d relative to the forces. They are chosen to avoid overlapping labels.
 LABEL_FACTORS = (1.35, 1.0, 0.87, 1.0)
-ACCURACY_BAND = {"color": "0.93", "zorder": 0}  # grey band of Fig. 2c: discrepancies below 1e-3, as the paper states
+# Style of the grey band in Fig. 2c. It marks discrepancies below 1e-3, the accuracy that the paper states.
+ACCURACY_BAND = {"color": "0.93", "zorder": 0}
 
 
 def modes() -> Table:
-    """Compute Fig. 2a: t, Phi, psi until shortly after psi is back at zero."""
+    """Compute the data of Fig. 2a: t, Phi and psi until shortly after psi has returned to zero."""
     found = model_motion(*soft_start(N, ALPHA), UNTIL)
     assert found.phi is not None
     assert found.psi is not None
@@ -149,13 +157,13 @@ def modes() -> Table:
 
 
 def forces() -> Table:
-    """Compute Fig. 2b: t, all four forces of the model and of the full equations."""
+    """Compute the data of Fig. 2b: t, and all four forces of the model and of the full equations."""
     full, model = full_motion(*soft_start(N, ALPHA), UNTIL), model_motion(*soft_start(N, ALPHA), UNTIL)
     return {"t": full.time, **_force_columns("full", full.force), **_force_columns("model", model.trajectory.force)}
 
 
 def discrepancies() -> Table:
-    """Compute Fig. 2c: t, and (full - model) / full for f01 and f12 while the striker is in contact.
+    """Compute the data of Fig. 2c: t, and (full - model) / full for f01 and f12 while the striker is in contact.
 
     The sample times are dense at both ends, where the discrepancies change most.
     """
@@ -169,7 +177,7 @@ def discrepancies() -> Table:
 
 
 def rise() -> Table:
-    """Compute Fig. 2d: t from 1e-16 to 1, all four forces of the model and of the full equations."""
+    """Compute the data of Fig. 2d: t from 1e-16 to 1, and all four forces of the model and of the full equations."""
     times = tuple(np.logspace(np.log10(FIRST_TIME), 0.0, 321).tolist())
     full = full_motion(*soft_start(N, ALPHA), 1.0, times, RISE_TOLERANCE)
     model = model_motion(*soft_start(N, ALPHA), 1.0, times, RISE_TOLERANCE)
@@ -181,7 +189,7 @@ def _force_columns(kind: str, force: np.ndarray) -> Table:
 
 
 def draw_modes(table: Table) -> Figure:
-    """Draw Fig. 2a."""
+    """Draw Fig. 2a of the paper, the two modes Phi and psi."""
     figure, axes = new_figure()
     zero_line(axes)
     for name, colour, symbol in (("Phi", BLUE, r"$\Phi$"), ("psi", RED, r"$\psi$")):
@@ -194,7 +202,7 @@ def draw_modes(table: Table) -> Figure:
 
 
 def draw_forces(table: Table) -> Figure:
-    """Draw Fig. 2b."""
+    """Draw Fig. 2b of the paper, the forces of the model and of the full equations."""
     figure, axes = new_figure(height=2.7)
     for i, colour in enumerate(FORCE_COLOURS):
         axes.plot(table["t"], table[f"f{i}{i + 1} model"], color=colour, **MODEL_LINE)
@@ -208,7 +216,10 @@ def draw_forces(table: Table) -> Figure:
 
 
 def draw_discrepancies(table: Table) -> Figure:
-    """Draw Fig. 2c, and the end of the contact over the remaining time until the striker separates."""
+    """Draw Fig. 2c of the paper, the discrepancies of the forces.
+
+    A second panel shows the end of the contact, over the remaining time until the striker separates.
+    """
     titles = "(a)  while the striker pushes", "(b)  at the end"
     figure, (axes, end) = new_figure(PAGE_WIDTH * 0.72, 2.5, 1, 2, titles, width_ratios=(3, 2))
     axes.axhspan(-1.0, 1.0, **ACCURACY_BAND)
@@ -226,7 +237,7 @@ def draw_discrepancies(table: Table) -> Figure:
 
 
 def draw_rise(table: Table) -> Figure:
-    """Draw Fig. 2d."""
+    """Draw Fig. 2d of the paper, the initial rise of the forces."""
     figure, axes = new_figure(height=2.8)
     for i, colour in enumerate(FORCE_COLOURS):
         full = table[f"f{i}{i + 1} full"]
@@ -242,7 +253,7 @@ def draw_rise(table: Table) -> Figure:
 
 
 def _draw_power(axes: Axes, table: Table, name: str, power: float, text: str) -> None:
-    """Draw the expected initial power of t, dotted, slightly above the force `name`."""
+    """Draw the expected initial power of t as a dotted line slightly above the force `name`."""
     time = table["t"][table["t"] < 1e-6]
     line = 1.5 * table[name][0] * (time / time[0]) ** power
     axes.loglog(time, line, color=GREY, linewidth=0.7, linestyle=":")

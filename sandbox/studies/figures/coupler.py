@@ -1,4 +1,6 @@
-"""Couplers and gears, App. C: solid stops, a train that moves off, and the gear equivalent to a power law."""
+"""Couplers and draft gears of App. C: impacts against solid stops, a starting train, and the gear similar to a power
+law.
+"""
 
 from __future__ import annotations
 
@@ -26,18 +28,22 @@ from softcradle.sandbox.studies.plot_style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SOLID, STARTING = "train-solid", "train-starting"  # scenes
-SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75, 3.0, 3.5, 4.0)  # impact speeds [m/s]
-DURATION = 0.6  # [s] in which the first coupling has its largest force
-STEP = 1e-4  # [s], for an impact of 0.1 s
+SOLID, STARTING = "train-solid", "train-starting"  # Names of the two scenes.
+SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75, 3.0, 3.5, 4.0)  # Impact speeds [m/s].
+DURATION = 0.6  # Duration of a simulation [s]. The force of the first coupling is largest within this time.
+STEP = 1e-4  # Time step [s]. An impact lasts 0.1 s.
 SAMPLES = 6001
-STIFF_HALF = 3e8  # [N/m] stiffness between the halves of a wagon, 2 E A / L of its sill; our assumption
+# Stiffness [N/m] of the spring between the halves of a wagon, 2 E A / L of its sill. It is our assumption.
+STIFF_HALF = 3e8
 TRAINS = {"gear without an end": RED, "solid stop, rigid wagons": BLUE, "solid stop, elastic wagons": ORANGE}
 KILO = 1e3
 
 
 def in_halves(chain: Chain, stiffness: float) -> Chain:
-    """Return the chain with each wagon as two halves joined by a spring [N/m]: its first longitudinal mode."""
+    """Return a chain in which each wagon consists of two halves, joined by a spring of `stiffness` [N/m].
+
+    The spring represents the first longitudinal oscillation of the wagon.
+    """
     link = Coupler(hooke(stiffness), pull=hooke(stiffness))
     contacts = [link]
     for contact in chain.contact:
@@ -47,8 +53,9 @@ def in_halves(chain: Chain, stiffness: float) -> Chain:
 
 
 def stops() -> Table:
-    """Compute a row for each train of TRAINS (0 to 2) and speed [m/s]: largest force [kN] and travel [mm] of the first
-    coupling.
+    """Compute the largest force [kN] and travel [mm] of the first coupling.
+
+    There is one row for each train of TRAINS (0 to 2) and each speed [m/s].
     """
     from softcradle import scenes
 
@@ -61,13 +68,16 @@ def stops() -> Table:
         starts = [np.repeat(speed * start / start.max(), halves).tolist() for speed in SPEEDS]
         found = ensemble([train] * len(SPEEDS), starts, DURATION, KEEPING, STEP, SAMPLES)
         for speed, motion in zip(SPEEDS, found, strict=True):
-            first = halves - 1  # the coupling behind the striking wagon
+            first = halves - 1  # Index of the coupling behind the striking wagon.
             rows.append((number, speed, motion.force[:, first].max() / KILO, motion.overlap[:, first].max() * KILO))
     return long_table(("train", "speed", "force", "travel"), rows)
 
 
 def draw_stops(table: Table) -> Figure:
-    """Draw the largest force over the impact speed, a curve for each train; dotted: the speed of full travel."""
+    """Draw the largest force over the impact speed, with a curve for each train.
+
+    A dotted line marks the speed at which the coupling reaches its full travel.
+    """
     figure, axes = new_figure()
     for number, (name, colour) in enumerate(TRAINS.items()):
         rows = rows_where(table, train=number)
@@ -83,14 +93,14 @@ def draw_stops(table: Table) -> Figure:
 
 
 def _full_travel() -> float:
-    """Return the full travel [mm] of the couplings of the scene."""
+    """Return the full travel [mm] of the couplings in the scene."""
     from softcradle import scenes
 
     return scenes.load(SOLID).lanes[0].chain().couplers[0][1].travel * KILO
 
 
 def starting() -> Table:
-    """Compute t [s] and the velocity [m/s] of each wagon of the train that moves off, the locomotive first."""
+    """Compute the time t [s] and the velocity [m/s] of each wagon of a starting train. The locomotive is first."""
     from softcradle import scenes
 
     scene = scenes.load(STARTING)
@@ -101,7 +111,7 @@ def starting() -> Table:
 
 
 def draw_starting(table: Table) -> Figure:
-    """Draw the velocity of each wagon over time; the locomotive sets them in motion one after another."""
+    """Draw the velocity of each wagon over time. The locomotive sets the wagons in motion one after another."""
     from matplotlib import colormaps
 
     figure, axes = new_figure()
@@ -116,13 +126,15 @@ def draw_starting(table: Table) -> Figure:
 
 SIZES = (2, 3, 4, 6, 8)
 ALPHAS = tuple(np.geomspace(1.0 / 20.0, 1.0, 40).tolist())
-RATIOS = np.concatenate(([0.9], np.geomspace(1.0, 40.0, 240)))  # V/v_c; below 1 all outcomes are equal
+# Values of V/v_c. All final velocities below 1 are equal.
+RATIOS = np.concatenate(([0.9], np.geomspace(1.0, 40.0, 240)))
 TOLERANCE = 1e-6
 
 
 def nearest() -> Table:
-    """Compute n, alpha, the nearest V/v_c, and the root mean square difference of velocities relative to the striker's;
-    NaN beyond RATIOS.
+    """Compute n, alpha, the nearest V/v_c, and the difference of the velocities.
+
+    The difference is a root mean square, relative to the velocity of the striker. It is NaN beyond RATIOS.
     """
     rows = []
     for n in SIZES:
@@ -138,7 +150,7 @@ def nearest() -> Table:
 
 
 def _gear_outcomes(n: int) -> Array:
-    """Return the (R, n+1) final velocities of gears at RATIOS, relative to the striker's."""
+    """Return the (R, n+1) final velocities of draft gears at RATIOS, relative to the velocity of the striker."""
     chain = one_on(n, draft_gear(1.0, 1.0))
     speeds = RATIOS * critical_speed(chain.power_laws[0], chain.mass, 1)
     found = ensemble([chain] * len(speeds), [[speed] + [0.0] * n for speed in speeds], tolerance=TOLERANCE)
@@ -146,7 +158,7 @@ def _gear_outcomes(n: int) -> Array:
 
 
 def draw_nearest(table: Table) -> Figure:
-    """Draw (a) the nearest V/v_c over alpha, (b) the difference."""
+    """Draw (a) the nearest V/v_c over alpha, and (b) the difference of the velocities."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)", "(b)"))
     for n, colour in zip(SIZES, COLOUR_CYCLE, strict=False):
         points = rows_where(table, n=n)

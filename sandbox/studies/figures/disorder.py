@@ -1,7 +1,7 @@
-"""Random chains (data not shown in the paper). Soft clusters stay rigid-like as long as every contact is strong enough.
+"""Collisions of random chains, which the paper mentions without showing data.
 
-`softcradle.physics.analysis.measures.loads` computes the required strength. The pulse of the usual cradle always breaks
-up.
+A soft cluster stays rigid-like as long as every contact is strong enough. The required strength is computed by
+`softcradle.physics.analysis.measures.loads`. The pulse of the usual cradle always breaks up.
 """
 
 from __future__ import annotations
@@ -20,21 +20,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TARGETS = 6
-CHAINS = 40  # random chains of each kind, in addition to the homogeneous one
+CHAINS = 40  # Number of random chains of each kind, in addition to the homogeneous chain.
 SEED = 20100324
-WIDTH = 2.0  # masses and strengths lie between 1/WIDTH and WIDTH, uniform in their logarithm
-SOFT = 0.0  # value of the column "kind" for soft chains
-CRADLE = 1.0  # value of the column "kind" for the usual cradle
-SOFT_EXPONENTS = (1.0 / 50.0, 1.0 / 30.0)  # range of the exponents in a soft chain
-CRADLE_EXPONENT = 1.5  # Hertz
+WIDTH = 2.0  # Masses and strengths lie between 1/WIDTH and WIDTH. Their logarithms have a uniform distribution.
+SOFT = 0.0  # Value of the column "kind" for soft chains.
+CRADLE = 1.0  # Value of the column "kind" for the usual cradle.
+SOFT_EXPONENTS = (1.0 / 50.0, 1.0 / 30.0)  # Range of the exponents in a soft chain.
+CRADLE_EXPONENT = 1.5  # Exponent of the Hertz contacts in the usual cradle.
 
-# Step of the conserving method [s]. Contacts deep inside a random soft chain chatter for a long time. Adaptive methods
-# would resolve every closing, without any visible effect.
+# Time step of the conserving method [s]. Contacts deep inside a random soft chain chatter for a long time. An adaptive
+# method would resolve every closing, without any visible effect.
 STEP = 2e-4
 
 
 def chains(kind: float) -> list[Chain]:
-    """Return the homogeneous chain, then the random ones; both kinds have the same masses and strengths."""
+    """Return the homogeneous chain and then the random chains of the given kind.
+
+    The chains of both kinds have the same masses and strengths.
+    """
     random = np.random.default_rng(SEED)
     found = [_chain(kind, np.ones(TARGETS + 1), np.ones(TARGETS), np.full(TARGETS, 0.5))]
     for _ in range(CHAINS):
@@ -49,8 +52,9 @@ def _chain(kind: float, masses: Array, strengths: Array, place: Array) -> Chain:
 
 
 def outcomes() -> Table:
-    """Compute a row for each bead: its velocity relative to a rigid target of the same masses; chain 0 is the
-    homogeneous one.
+    """Compute the velocity of each bead relative to a rigid target cluster of the same masses.
+
+    There is one row for each bead. Chain 0 is homogeneous.
     """
     rows = []
     for kind in (SOFT, CRADLE):
@@ -65,21 +69,22 @@ def outcomes() -> Table:
 
 
 def spread(table: Table, kind: float, chain: int) -> float:
-    """Return the mass-weighted spread of the targets of a chain."""
+    """Return the spread of the velocities of the targets of a chain, weighted by mass."""
     beads = rows_where(table, kind=kind, chain=chain)
     return spread_by_mass(beads["mass"][1:], beads["v"][1:])
 
 
 def loads_and_spreads(table: Table, kind: float) -> tuple[Array, Array]:
-    """Return for each chain the largest load of an inner contact, and the spread of the targets."""
+    """Return two values for each chain: the largest load of an inner contact, and the spread of the target velocities."""
     numbers = range(CHAINS + 1)
     load = np.array([rows_where(table, kind=kind, chain=k)["load"][0] for k in numbers])
     return load, np.array([spread(table, kind, k) for k in numbers])
 
 
 def draw_outcomes(table: Table) -> Figure:
-    """Draw the velocities of all targets in both kinds of chain, and between them the spread of the soft ones over
-    their load.
+    """Draw the velocities of all targets in both kinds of chain.
+
+    A panel between them shows the spread in soft chains over their load.
     """
     titles = r"(a)  $\alpha_{i,i+1}$ from 1/50 to 1/30", "(b)  the chains of (a)", r"(c)  $\alpha=3/2$, usual cradle"
     figure, (left, middle, right) = new_figure(PAGE_WIDTH, 2.6, 1, 3, titles)
@@ -97,7 +102,10 @@ def draw_outcomes(table: Table) -> Figure:
 
 
 def _draw_velocities(axes: Axes, table: Table, kind: float) -> None:
-    """Draw one curve for each chain: the homogeneous one red on top, soft chains with an overloaded contact orange."""
+    """Draw one curve for each chain.
+
+    The homogeneous chain is red and on top. Soft chains with an overloaded contact are orange.
+    """
     for k in range(CHAINS, -1, -1):
         beads = rows_where(table, kind=kind, chain=k)
         overloaded = kind == SOFT and beads["load"][0] >= 1.0

@@ -1,4 +1,7 @@
-"""Rigidity of a struck cluster (Fig. 3 of the letter that the paper cites), its limits, and the accuracy of Eq. (7)."""
+"""Figures about the rigidity of a struck cluster, its limits, and the accuracy of Eq. (7).
+
+The first is Fig. 3 of the letter that the paper cites.
+"""
 
 from __future__ import annotations
 
@@ -30,17 +33,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SPREAD_ALPHAS = tuple((1.0 / np.arange(24.0, 2.95, -0.1)).tolist())  # exponents of the spread, whose curve is jagged
-SPREAD_SIZES = (2, 3, 4)  # cluster sizes of the spread
-# Exponents of one on four, from rigid-like to the usual cradle. Jagged parts have steps of 0.1 in 1/alpha.
+# Exponents at which the spread is computed. They are close together because the curve is jagged.
+SPREAD_ALPHAS = tuple((1.0 / np.arange(24.0, 2.95, -0.1)).tolist())
+SPREAD_SIZES = (2, 3, 4)  # Numbers of targets for which the spread is computed.
+# Exponents for one on four, from rigid-like behaviour to the usual cradle. Steps of 0.1 in 1/alpha resolve the jagged
+# parts of the curves.
 LOSS_ALPHAS = (*(1.0 / np.arange(30.0, 4.0, -0.1).round(1)).tolist(), *np.geomspace(0.25, 2.0, 41).tolist())
-LONG_SIZES = (4, 10, 30)  # clusters for which LONG_ALPHA is below, at and above 1/n
+LONG_SIZES = (4, 10, 30)  # Numbers of targets for which LONG_ALPHA is below, at and above 1/n.
 LONG_ALPHA = 1.0 / 10.0
-FINE_TOLERANCE = 1e-11  # the smallest visible spreads are below the error of a run at the usual tolerance
+FINE_TOLERANCE = 1e-11  # The smallest visible spreads are below the error of a simulation with the usual tolerance.
 
 
 def outcome(n: int, alpha: float) -> Array:
-    """Return the (n+1,) velocities after the collision; NaN if the run gave up."""
+    """Return the (n+1,) velocities after the collision, or NaN if the simulation gave up."""
     found = _solved(n, alpha)
     return np.full(n + 1, np.nan) if found.status.gave_up else found.final_velocity
 
@@ -51,14 +56,16 @@ def _solved(n: int, alpha: float) -> Trajectory:
 
 
 def rigid_outcome(n: int) -> tuple[float, float]:
-    """Return the velocities of striker and cluster after the collision if the cluster were one rigid body."""
+    """Return the velocities of striker and cluster after a collision in which the cluster is one rigid body."""
     striker, target = rigid_collision(np.ones(n + 1), 1)[:2]
     return float(striker), float(target)
 
 
 def spreads() -> Table:
-    """Compute n, alpha, velocities of striker, first and last target, the spread of all targets, and the velocity
-    error.
+    """Compute the velocities of the striker and the targets for each n and alpha.
+
+    The columns are n, alpha, the velocities of striker, first and last target, the spread of all targets, and the
+    velocity error.
     """
     rows = []
     for n in SPREAD_SIZES:
@@ -69,7 +76,7 @@ def spreads() -> Table:
 
 
 def draw_spreads(table: Table) -> Figure:
-    """Draw velocities for two targets, and the spread for two to four."""
+    """Draw the velocities for two targets, and the spread of velocities for two to four targets."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)  $n=2$", "(b)"))
     pair = rows_where(table, n=2)
     for bead, name in enumerate(("v striker", "v first", "v last")):
@@ -87,7 +94,10 @@ def draw_spreads(table: Table) -> Figure:
 
 
 def losses() -> Table:
-    """Compute the end of rigid-like behaviour: a row for each bead, its velocity relative to a rigid cluster."""
+    """Compute the velocity of each bead relative to a rigid cluster, up to the end of rigid-like behaviour.
+
+    There is one row for each bead.
+    """
     cases = dict.fromkeys([(4, alpha) for alpha in LOSS_ALPHAS] + [(n, LONG_ALPHA) for n in LONG_SIZES])
     rows = [
         (n, alpha, np.arange(n + 1), outcome(n, alpha), outcome(n, alpha) / rigid_outcome(n)[1]) for n, alpha in cases
@@ -96,7 +106,10 @@ def losses() -> Table:
 
 
 def draw_losses(table: Table) -> Figure:
-    """Draw on the left one on four, all velocities over the exponent; on the right long clusters at one small exponent."""
+    """Draw the velocities of beads beyond the limit of rigid-like behaviour.
+
+    The left panel shows one on four over the exponent. The right panel shows long clusters at one small exponent.
+    """
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.7, 1, 2, ("(a)  $n=4$", r"(b)  $\alpha=1/10$"))
     _draw_exponents(left, rows_where(table, n=4))
     for n, colour in zip(LONG_SIZES, (BLUE, ORANGE, RED), strict=True):
@@ -122,15 +135,16 @@ def _draw_exponents(axes: Axes, table: Table) -> None:
     axes.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.13), columnspacing=0.8, handlelength=1.2)
 
 
-ALPHAS = (1.0 / 7.0, 1.0 / 10.0, 1.0 / 14.0)  # a column of panels each
-SIZES = (5, 4, 3)  # a row of panels each
-CURVE_COLOURS = {2: BLUE, 3: ORANGE, 4: GREEN}  # for each depth i
-# for each depth i: deeper curves are thinner, so that coinciding curves are visible
+ALPHAS = (1.0 / 7.0, 1.0 / 10.0, 1.0 / 14.0)  # Exponents; each has a column of panels.
+SIZES = (5, 4, 3)  # Numbers of targets; each has a row of panels.
+CURVE_COLOURS = {2: BLUE, 3: ORANGE, 4: GREEN}  # Colour of the curve of each contact i.
+# Line width of the curve of each contact i. Curves of deeper contacts are thinner, which makes coinciding curves
+# visible.
 CURVE_WIDTHS = {2: 2.6, 3: 1.7, 4: 0.8}
 
-INSET_LIFT = 0.08  # distance of two curves in the inset
+INSET_LIFT = 0.08  # Vertical distance between two curves in the inset.
 
-# Sample times as fractions of the striker's contact, dense at both ends.
+# Sample times as fractions of the striker's contact time. They are dense at both ends.
 FRACTIONS = np.concatenate(
     (np.linspace(0.001, 0.01, 40), np.linspace(0.01, 0.99, 400)[1:-1], np.linspace(0.99, 0.999, 40))
 )
@@ -139,7 +153,7 @@ FRACTIONS = np.concatenate(
 def discrepancy(n: int, alpha: float) -> tuple[Array, Array]:
     """Return (T,) times and (T, n-2) values of ``[(n-1)/(n-i)]**(1/alpha) * d_i / d_1 - 1``, i = 2 ... n-1.
 
-    The times are FRACTIONS of the striker's contact; values are NaN after the first inner contact has opened.
+    The times are the FRACTIONS of the striker's contact time. Values are NaN after the first inner contact has opened.
     """
     times = FRACTIONS * opening_time(n, alpha)
     found = full_motion(*soft_start(n, alpha), None, tuple(times.tolist()))
@@ -150,7 +164,7 @@ def discrepancy(n: int, alpha: float) -> tuple[Array, Array]:
 
 
 def panels() -> Table:
-    """Compute all nine panels, a row for each curve and time."""
+    """Compute the data of all nine panels, with one row for each curve and time."""
     rows = []
     for n in SIZES:
         for alpha in ALPHAS:
@@ -160,7 +174,10 @@ def panels() -> Table:
 
 
 def draw_panels(table: Table) -> Figure:
-    """Draw nine panels; an inset in the panel of five beads at 1/10 shows its coinciding curves shifted apart."""
+    """Draw nine panels with the discrepancies of Eq. (7).
+
+    The curves for five beads at alpha = 1/10 coincide. An inset in their panel shows them shifted apart.
+    """
     figure, grid = new_figure(PAGE_WIDTH, 5.2, 3, 3, sharex=True)
     for row, n in zip(grid, SIZES, strict=True):
         for axes, alpha in zip(row, ALPHAS, strict=True):

@@ -1,4 +1,7 @@
-"""Limit alpha -> 0, Sec. IV: quantities that vanish or stay; spreads over n alpha, and their collapse on one curve."""
+"""Figures about the limit alpha -> 0 of Sec. IV.
+
+They show which quantities vanish, and the spread of velocities over n alpha. The spreads collapse on one curve.
+"""
 
 from __future__ import annotations
 
@@ -35,12 +38,15 @@ ALPHAS = tuple(1.0 / k for k in (5, 7, 10, 14, 20, 30, 50, 70, 100, 140, 200))
 
 
 def scalings() -> Table:
-    """Compute n, alpha, max psi, contact time of the striker, response time of the inner contact at max psi."""
+    """Compute n, alpha, the largest psi, the contact time of the striker, and a response time.
+
+    The response time is that of the inner contact at the largest psi.
+    """
     rows = []
     for n in SIZES:
         for alpha in ALPHAS:
             chain = soft_chain(n, alpha)
-            # only the end may be sensitive, because beads chatter there, and it is not used
+            # Beads chatter only near the end of the motion. The sensitive end is not used.
             contact_time = solve(chain, start(chain), samples=2).contact_intervals[0][0][1]
             found = solve(chain, start(chain), contact_time, samples=SAMPLES)
             rows.append((n, alpha, found.overlap[:, 1].max(), contact_time, response_times(found)[1]))
@@ -48,20 +54,22 @@ def scalings() -> Table:
 
 
 def stated_duration(n: int, alpha: float) -> float:
-    """Return ``exp(-1/(2 n alpha)) / sqrt(alpha)``, Sec. IV (ii). The inner response time vanishes like this; our
-    contact time does not.
+    """Return ``exp(-1/(2 n alpha)) / sqrt(alpha)``, the time stated in Sec. IV (ii).
+
+    The response time of the inner contact vanishes like this expression. The contact time that we measure does not.
     """
     return math.exp(-0.5 / (n * alpha)) / math.sqrt(alpha)
 
 
 def contact_time_limit(n: int) -> float:
-    """Return ``2n/(n+1)``: a unit force stops and returns the reduced mass n/(n+1)."""
+    """Return ``2n/(n+1)``, the time in which a unit force stops and returns the reduced mass n/(n+1)."""
     return 2.0 * n / (n + 1.0)
 
 
 def draw_scalings(table: Table) -> Figure:
-    """Draw (a) max psi, (b) the two times; solid and dashed lines are limits for alpha -> 0, dotted lines the statement
-    of Sec. IV.
+    """Draw (a) the largest psi, and (b) the contact time and the response time.
+
+    Solid and dashed lines are limits for alpha -> 0. Dotted lines show the statement of Sec. IV.
     """
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.9, 1, 2, ("(a)", "(b)"))
     _draw_psi(left, table)
@@ -100,14 +108,14 @@ def _draw_times(axes: Axes, table: Table) -> None:
 
 
 COLLAPSE_SIZES = (3, 4, 6, 10, 18, 32)
-# values of n alpha in steps of 2 %, because small spreads are jagged
+# Values of n alpha in steps of 2 %. The steps are small because small spreads form a jagged curve.
 PRODUCTS = tuple(np.geomspace(0.15, 1.0, 93).tolist())
-THRESHOLD = 0.5  # spread at which a cluster is no longer rigid-like
-TOLERANCE = 1e-5  # far below the visible differences; chattering chains give up at smaller tolerances
+THRESHOLD = 0.5  # Spread from which on a cluster is no longer rigid-like.
+TOLERANCE = 1e-5  # Tolerance, far below the visible differences. Chattering chains give up at smaller tolerances.
 
 
 def spreads() -> Table:
-    """Compute n, n alpha, the scaling variable, the spread (NaN if a run gave up)."""
+    """Compute n, n alpha, the scaling variable and the spread. The spread is NaN if a simulation gave up."""
     rows = []
     for n in COLLAPSE_SIZES:
         chains = [soft_chain(n, product / n) for product in PRODUCTS]
@@ -119,8 +127,9 @@ def spreads() -> Table:
 
 
 def threshold(table: Table, n: int, column: str) -> float:
-    """Return the value of a column at which the spread of `n` targets last crosses THRESHOLD, between two samples; or
-    NaN.
+    """Return the value of `column` at which the spread of `n` targets last crosses THRESHOLD.
+
+    The value is interpolated between two samples. It is NaN if there is no crossing.
     """
     points = rows_where(table, n=n)
     known = np.isfinite(points["spread"])
@@ -134,12 +143,12 @@ def threshold(table: Table, n: int, column: str) -> float:
 
 
 def threshold_law(n: Array, variable: float) -> Array:
-    """Return n alpha at which the scaling variable has that value: ``1 / (2 ln((n+1) / variable))``."""
+    """Return the n alpha at which the scaling variable equals `variable`: ``1 / (2 ln((n+1) / variable))``."""
     return np.asarray(0.5 / np.log((n + 1.0) / variable))
 
 
 def draw_spreads(table: Table) -> Figure:
-    """Draw (a) the spread over n alpha, (b) over the scaling variable, (c) the threshold over n."""
+    """Draw the spread (a) over n alpha and (b) over the scaling variable, and (c) the threshold over n."""
     from matplotlib.ticker import NullFormatter
 
     figure, (left, middle, right) = new_figure(PAGE_WIDTH, 2.5, 1, 3)

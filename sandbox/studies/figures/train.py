@@ -1,4 +1,4 @@
-"""In-train forces: of every coupling over time in the train scenes, and their envelope over the impact speed."""
+"""Figures of the forces in couplings of trains: over time, and their largest values over the impact speed."""
 
 from __future__ import annotations
 
@@ -16,19 +16,25 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SCENES = {"one on ten": "train-shunting", "five on ten": "train-cut"}  # panel title: scene
-DURATION = 2.8  # [s]
+# Maps the title of a panel to the name of its scene.
+SCENES = {"one on ten": "train-shunting", "five on ten": "train-cut"}
+DURATION = 2.8  # Duration of a simulation [s].
 SAMPLES = 1401
-PEAK_SAMPLES = 2801  # samples of the scan, many because the solid stop is short
-STEP = 2e-4  # [s] step of the scan: a thousandth of an impact
+PEAK_SAMPLES = 2801  # Number of samples for the envelopes. It is large because the impact on the solid stop is short.
+STEP = 2e-4  # Time step for the envelopes [s]: a thousandth of an impact.
 KILO = 1e3
-SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)  # impact speeds [m/s]; shunting is done at up to 2 or 3
-SOLID = "train-solid"  # the envelopes use the couplings of this scene, with a stop at full travel
+# Impact speeds [m/s]. Wagons are usually shunted at up to 2 or 3 m/s.
+SPEEDS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)
+SOLID = "train-solid"  # The envelopes use the couplings of this scene, which have a stop at full travel.
 
 
 def history() -> Table:
-    """Compute t [s], and for each scene the force in every coupling [kN] and the energy absorbed by gears and bed [kJ]."""
-    from softcradle import scenes  # imports pydantic, which the list of figures does not need
+    """Compute the time t [s], the force in every coupling [kN], and the absorbed energy [kJ] for each scene.
+
+    The energy is absorbed by the draft gears and the bed.
+    """
+    # The import is local because this module imports pydantic, which the list of figures does not need.
+    from softcradle import scenes
 
     table: Table = {}
     for title, name in SCENES.items():
@@ -42,7 +48,10 @@ def history() -> Table:
 
 
 def draw_history(table: Table) -> Figure:
-    """Draw a panel for each scene with a curve for each coupling, stacked from the left upwards, with one scale."""
+    """Draw a panel for each scene, with one curve of the force for each coupling.
+
+    The curves are stacked in the order of the couplings, from the left upwards. All have the same scale.
+    """
     figure, panels = new_figure(PAGE_WIDTH, 4.2, columns=2)
     for axes, title in zip(panels, SCENES, strict=True):
         _draw_couplings(axes, table["t"], [table[name] for name in table if name.startswith(f"{title}: force")])
@@ -52,7 +61,10 @@ def draw_history(table: Table) -> Figure:
 
 
 def envelopes() -> Table:
-    """Compute a row for each scene (0, 1), speed [m/s] and coupling: its largest force [kN] and travel [mm]."""
+    """Compute the largest force [kN] and travel [mm] of each coupling.
+
+    There is one row for each scene (0, 1), speed [m/s] and coupling.
+    """
     from softcradle import scenes
 
     rows, coupler = [], scenes.load(SOLID).lanes[0].chain().couplers[0][1]
@@ -68,8 +80,9 @@ def envelopes() -> Table:
 
 
 def draw_envelopes(table: Table) -> Figure:
-    """Draw a panel for each scene: the largest force along the train, a curve for each speed, hollow if the gears are
-    solid.
+    """Draw a panel for each scene with the largest force along the train. Each speed has a curve.
+
+    A marker is hollow if the draft gear has reached its solid stop.
     """
     from matplotlib import colormaps
     from matplotlib.ticker import MaxNLocator
@@ -96,13 +109,13 @@ def draw_envelopes(table: Table) -> Figure:
 
 
 def _draw_couplings(axes: Axes, time: Array, forces: list[Array]) -> None:
-    """Draw forces [kN]; the distance of two curves is a meganewton."""
+    """Draw the forces [kN] of all couplings. Two neighbouring curves are one meganewton apart."""
     for i, force in enumerate(forces, 1):
         axes.fill_between(time, i, i + force / KILO, color=BLUE, alpha=0.25, linewidth=0.0)
         axes.plot(time, i + force / KILO, color=BLUE, linewidth=0.8)
         axes.annotate(
             f"{force.max():.0f} kN", (1.01, i), xycoords=("axes fraction", "data"), va="bottom", fontsize=6.5
-        )  # outside the axes, so that no curve crosses it
+        )  # The text is outside the axes, where no curve crosses it.
     axes.set_xlabel(TIME.label)
     axes.set_xlim(time[0], time[-1])
     axes.set_ylim(0.6, len(forces) + 2.0)

@@ -1,4 +1,7 @@
-"""Appendix A, (i) to (iii): striker and target exchanged, cluster on cluster, a Hooke interface."""
+"""Figures of Appendix A, (i) to (iii).
+
+They show a collision with striker and target exchanged, a cluster that hits a cluster, and a Hooke contact.
+"""
 
 from __future__ import annotations
 
@@ -25,18 +28,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INTERFACE_CHAIN = one_on(N, (hooke(1.0), *(power_law(1.0, ALPHA),) * (N - 1)))
-STRIKERS = 3  # strikers of cluster on cluster
+STRIKERS = 3  # Number of strikers in the collision of two clusters.
 TARGETS = 5
 CLUSTERS_CHAIN = cluster_on_cluster(STRIKERS, TARGETS, power_law(1.0, SOFTER_ALPHA))
 
 
 def interface() -> Table:
-    """Compute one on four with a linear spring between striker and target."""
+    """Compute a collision of one bead with four, with a linear spring between striker and target."""
     return _forces_and_velocities(INTERFACE_CHAIN, 1, 3.2)
 
 
 def clusters() -> Table:
-    """Compute three on five: two evanescent modes."""
+    """Compute a collision of three beads with five, which has two evanescent modes."""
     return _forces_and_velocities(CLUSTERS_CHAIN, STRIKERS, 4.6)
 
 
@@ -51,7 +54,10 @@ def _forces_and_velocities(chain: Chain, strikers: int, until: float) -> Table:
 
 
 def exchange() -> Table:
-    """Compute one on four, and four on one as seen by an observer who moves with the strikers, from right to left."""
+    """Compute the collisions of one bead with four, and of four beads with one.
+
+    The second collision is seen by an observer who moves with the strikers, and runs from right to left.
+    """
     one_on_four, four_on_one = soft_chain(N, ALPHA), cluster_on_cluster(N, 1, power_law(1.0, ALPHA))
     usual = full_motion(one_on_four, start(one_on_four), 3.0)
     exchanged = full_motion(four_on_one, start(four_on_one, N), 3.0)
@@ -62,19 +68,19 @@ def exchange() -> Table:
 
 
 def draw_interface(table: Table) -> Figure:
-    """Draw forces and velocities with the Hooke interface."""
+    """Draw forces and velocities of the collision with a Hooke contact."""
     return _draw_forces_and_velocities(table, 1, N, r"(a)  $\alpha_{0,1}=1$, inner $\alpha=1/10$", 2.6, 1.3)
 
 
 def draw_clusters(table: Table) -> Figure:
-    """Draw forces and velocities of three on five."""
+    """Draw forces and velocities of the collision of three beads with five."""
     return _draw_forces_and_velocities(table, STRIKERS, TARGETS, r"(a)  3 on 5, $\alpha=1/14$", 2.8, 1.45)
 
 
 def _draw_forces_and_velocities(
     table: Table, strikers: int, targets: int, title: str, height: float, most: float
 ) -> Figure:
-    """Draw forces up to `most` on the left, velocities on the right."""
+    """Draw forces up to `most` in the left panel, and velocities in the right panel."""
     figure, (left, right) = new_figure(PAGE_WIDTH, height, 1, 2, (title, "(b)"))
     _draw_forces(left, table, strikers + targets - 1, strikers - 1)
     left.set_ylim(0.0, most)
@@ -84,7 +90,11 @@ def _draw_forces_and_velocities(
 
 
 def draw_exchange(table: Table) -> Figure:
-    """Draw on the left four on one as it is; on the right seen from the strikers and mirrored, on top of one on four."""
+    """Draw the collision of four beads with one.
+
+    The left panel shows it as it is. The right panel shows it mirrored and as seen from the strikers, on top of the
+    collision of one bead with four.
+    """
     titles = "(a)  four on one", "(b)  mirrored, seen by the strikers"
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, titles, sharey=True)
     zero_line(left)

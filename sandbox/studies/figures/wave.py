@@ -1,8 +1,10 @@
-"""Alternatives to the evanescent mode: springs that also pull, contacts under prestress, the pulse of the usual cradle.
+"""Figures of alternatives to the evanescent mode, and of the evanescent mode under a steady force.
 
-Also the evanescent mode that a steady force on a cluster excites. The contact law only pushes. Linear contacts under a
-prestress that they never lose act, about their rest, like springs that push and pull. The prestress is a steady force
-on both ends, so the ends are free. The scenes stiff-springs and prestressed show the same.
+The alternatives are springs that also pull, contacts under prestress, and the pulse of the usual cradle.
+
+The contact law only pushes. Linear contacts can have a prestress that they never lose. Around their rest position they
+then act like springs that push and pull. The prestress is a steady force on both ends, which are free. The scenes
+stiff-springs and prestressed show the same motions.
 """
 
 from __future__ import annotations
@@ -50,22 +52,22 @@ if TYPE_CHECKING:
 
 SPRING = hooke(400.0)
 SOFT = power_law(1.0, ALPHA)
-SOFT_PRESTRESS = 0.75  # force; the soft contacts stay closed all the time
-STEP = 1e-4  # units of time
+SOFT_PRESTRESS = 0.75  # Prestress of the soft cluster, a force. Its contacts stay closed all the time.
+STEP = 1e-4  # Time step in units of time.
 SAMPLES = 1000
 PULSE_TARGETS = 30
-PULSE_UNTIL = 40.0  # units of time
+PULSE_UNTIL = 40.0  # End of the simulation of the pulse in units of time.
 
 
 @dataclass(frozen=True)
 class StruckCluster:
-    """A struck cluster with its contacts and prestress.
+    """A cluster of beads that a striker hits, with its contacts and prestress.
 
     Attributes:
-        title: title of its panel.
-        inner: its contacts.
-        prestress: force that presses it together at rest.
-        until: end of the run.
+        title: title of the panel.
+        inner: contact law inside the cluster.
+        prestress: force that presses the cluster together at rest.
+        until: end of the simulation.
         speed: speed of the striker.
     """
 
@@ -79,21 +81,22 @@ class StruckCluster:
 STRUCK_CLUSTERS = {
     "soft": StruckCluster("(a) inner $\\alpha=1/10$, evanescent", SOFT, 0.0, 3.0, 1.0),
     "springs": StruckCluster("(b) stiff springs", SPRING, SPRING_PRESTRESS, 3.0, 1.0),
-    # hit so slowly that no contact opens
+    # The striker is so slow that no contact opens.
     "prestressed": StruckCluster("(c) inner $\\alpha=1/10$, prestressed", SOFT, SOFT_PRESTRESS, 24.0, 0.1),
 }
 
 
 def roads() -> Table:
-    """Compute the evanescent cluster, stiff springs, and a soft cluster under prestress, side by side."""
+    """Compute collisions with three clusters: with evanescent mode, with stiff springs, and soft under prestress."""
     return {
         f"{key} {name}": column for name, cluster in STRUCK_CLUSTERS.items() for key, column in _motion(cluster).items()
     }
 
 
 def _motion(cluster: StruckCluster) -> Table:
-    """Compute t, velocities relative to the striker's, and inner forces minus the prestress, from rest under the
-    prestress.
+    """Compute the motion of a cluster that starts at rest under its prestress.
+
+    The columns are t, the velocities relative to the speed of the striker, and the inner forces minus the prestress.
     """
     chain, speed = pressed_cluster(N, cluster.inner, cluster.prestress), cluster.speed
     state = State.at_start(chain, speed * np.array(start(chain)))
@@ -107,14 +110,14 @@ def _motion(cluster: StruckCluster) -> Table:
 
 
 def pulse() -> Table:
-    """Compute t and the velocities of one Hertz bead on thirty."""
+    """Compute the time t and the velocities when one Hertz bead hits thirty."""
     chain = one_on(PULSE_TARGETS, hertz(1.0))
     found = full_motion(chain, start(chain), PULSE_UNTIL)
     return {"t": found.time, **{f"v{i}": found.velocity[:, i] for i in range(PULSE_TARGETS + 1)}}
 
 
 def draw_roads(table: Table) -> Figure:
-    """Draw velocities of the targets in the upper row, forces of the inner contacts in the lower one."""
+    """Draw velocities of the targets in the upper row, and forces of the inner contacts in the lower row."""
     figure, grid = new_figure(PAGE_WIDTH, 3.8, 2, 3, sharex="col")
     for (upper, lower), name in zip(grid.T, STRUCK_CLUSTERS, strict=True):
         for i, colour in zip(range(N, 0, -1), (PURPLE, GREEN, BLACK, ORANGE), strict=True):
@@ -137,7 +140,10 @@ def draw_roads(table: Table) -> Figure:
 
 
 def draw_pulse(table: Table) -> Figure:
-    """Draw velocities of all beads, each shifted by its number: one pulse of constant shape, and the last bead leaves."""
+    """Draw the velocities of all beads, each shifted by the number of the bead.
+
+    One pulse of constant shape moves along the chain, and the last bead leaves.
+    """
     figure, axes = new_figure(height=3.2)
     for i in range(0, PULSE_TARGETS + 1, 2):
         axes.plot(table["t"], table[f"v{i}"] * 3.0 + i, color=BLUE if i == 0 else BLACK, linewidth=0.8)
@@ -147,10 +153,10 @@ def draw_pulse(table: Table) -> Figure:
     return figure
 
 
-SHOWN_BEADS = 4  # cluster size of the figure over time
-SIZES = (2, 3, 4)  # cluster sizes of the scan
-ALPHAS = tuple(1.0 / k for k in (5, 7, 10, 14, 20))  # exponents of the scan
-PERIODS = 5  # length of every run, in periods of the model
+SHOWN_BEADS = 4  # Number of beads in the figure over time.
+SIZES = (2, 3, 4)  # Numbers of beads in the scan.
+ALPHAS = tuple(1.0 / k for k in (5, 7, 10, 14, 20))  # Exponents in the scan.
+PERIODS = 5  # Length of each simulation in periods of the model.
 SAMPLES_PER_PERIOD = 200
 STEPS_PER_SAMPLE = 20
 
@@ -168,10 +174,10 @@ def history() -> Table:
 
 
 def measured(n: int, alpha: float) -> tuple[float, float, float]:
-    """Return period and amplitude of psi in the full equations, and its relative distance from zero at its fifth
-    return.
+    """Return the period and the amplitude of psi in the full equations, and psi at its fifth return to zero.
 
-    The period is a fifth of the time of that return, which is an event of the full motion.
+    The third number is relative to the amplitude. The fifth return is an event of the full motion. The period is a
+    fifth of its time.
     """
     chain = driven_chain(n, alpha)
     end, count = (PERIODS + 0.5) * driven_period(n, alpha), (PERIODS + 1) * SAMPLES_PER_PERIOD
@@ -182,7 +188,7 @@ def measured(n: int, alpha: float) -> tuple[float, float, float]:
 
 
 def scan() -> Table:
-    """Compute period and amplitude over n and alpha, full and model."""
+    """Compute period and amplitude of psi over n and alpha, from the full equations and from the model."""
     rows = [
         (n, alpha, *measured(n, alpha), driven_period(n, alpha), driven_amplitude(n, alpha))
         for n in SIZES
@@ -193,7 +199,7 @@ def scan() -> Table:
 
 
 def draw_history(table: Table) -> Figure:
-    """Draw the periodic mode on top of the uniform acceleration."""
+    """Draw the periodic mode psi on top of the uniform acceleration of the cluster."""
     figure, (upper, lower) = new_figure(height=3.6, rows=2, sharex=True)
     upper.plot(table["t"], table["psi model"], color=RED, **MODEL_LINE)
     upper.plot(table["t"], table["psi full"], color=RED, linewidth=0.9)
@@ -209,7 +215,7 @@ def draw_history(table: Table) -> Figure:
 
 
 def draw_scan(table: Table) -> Figure:
-    """Draw period and amplitude over 1/alpha; lines are the closed forms."""
+    """Draw period and amplitude over 1/alpha. Lines show the closed formulas."""
     figure, (left, right) = new_figure(PAGE_WIDTH, 2.6, 1, 2, ("(a)", "(b)"))
     alphas = np.geomspace(1.0 / 22.0, 1.0 / 4.5, 60)
     for n, colour in zip(SIZES, (BLUE, ORANGE, GREEN), strict=True):
