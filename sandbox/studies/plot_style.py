@@ -1,4 +1,7 @@
-"""Style of all figures and charts: column widths of a journal, a serif font that matches the formulas, the palette."""
+"""Style of all figures and charts.
+
+The widths are column widths of a journal. The serif font matches the formulas. All figures use the same colours.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +19,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLUMN_WIDTH = 86.0 / 25.4  # [inches] width of a journal column, 86 mm
-PAGE_WIDTH = 178.0 / 25.4  # [inches] width of a journal page, 178 mm, for figures with several panels
+COLUMN_WIDTH = 86.0 / 25.4  # Width of a journal column, 86 mm, in inches.
+PAGE_WIDTH = 178.0 / 25.4  # Width of a journal page, 178 mm, in inches. It is used for figures with several panels.
 
-# Okabe and Ito's palette, which is safe for colour-blind readers. As in the paper, blue and orange are the first two
-# beads and forces, and red is psi.
+# Colours of Okabe and Ito, which colour-blind readers can distinguish. As in the paper, the first two beads and forces
+# are blue and orange, and psi is red.
 BLUE = "#0072B2"
 ORANGE = "#E69F00"
 GREEN = "#009E73"
@@ -31,7 +34,8 @@ GREY = "#6b6b6b"
 BLACK = "#000000"
 COLOUR_CYCLE = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY, BLACK)
 
-# The mode-coupling model is a dashed, thick and pale line below the thin solid line of the full equations.
+# Style of the curves of the mode-coupling model: dashed, thick and pale. They lie below the thin solid curves of the
+# full equations.
 MODEL_LINE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 2.2, "alpha": 0.5}
 
 SETTINGS: dict[str, Any] = {
@@ -46,8 +50,8 @@ SETTINGS: dict[str, Any] = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "xtick.major.pad": 5.0,  # points; keeps the labels in the lower left corner apart
-    "xtick.labelsize": 8.6,  # their exponents then have more than 6 points, the minimum for print
+    "xtick.major.pad": 5.0,  # Distance in points that separates the labels in the lower left corner.
+    "xtick.labelsize": 8.6,  # With this size, exponents have more than 6 points, the minimum for print.
     "ytick.labelsize": 8.6,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
@@ -64,13 +68,13 @@ SETTINGS: dict[str, Any] = {
 
 
 def require_matplotlib() -> None:
-    """Raise ModuleNotFoundError if matplotlib is missing, before any computation for a figure."""
+    """Raise ModuleNotFoundError if matplotlib is missing. Call this before the computations for a figure."""
     import matplotlib  # noqa: F401
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Apply these settings to everything drawn inside the block."""
+    """Apply the style of this module to all figures that are drawn inside the block."""
     import matplotlib as mpl
 
     with mpl.rc_context(SETTINGS):  # type: ignore[arg-type]
@@ -85,8 +89,9 @@ def new_figure(
     titles: Sequence[str] = (),
     **options: Any,
 ) -> tuple[Figure, Any]:
-    """Return a figure of that size [inches] without a window, and its axes; several axes are an array with those
-    `titles`.
+    """Return a new figure without a window, and its axes. The size is in inches.
+
+    If there are several axes, they are returned as an array, and `titles` contains their titles.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -100,7 +105,9 @@ def new_figure(
 
 
 def inner_label(axes: Axes, text: str, x: float = 0.03, y: float = 0.95, **options: Any) -> None:
-    """Write `text` inside the axes, its upper left corner at a fraction of their width and height."""
+    """Write `text` inside the axes. The position (x, y) of its upper left corner is a fraction of their width and
+    height.
+    """
     axes.text(x, y, text, transform=axes.transAxes, va="top", **options)
 
 
@@ -110,12 +117,12 @@ def panel_title(axes: Axes, text: str) -> None:
 
 
 def zero_line(axes: Axes) -> None:
-    """Draw a thin line at 0."""
+    """Draw a thin horizontal line at 0."""
     axes.axhline(0.0, color=GREY, linewidth=0.5, zorder=0)
 
 
 def curve_label(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
-    """Label a curve to the right of its point (x, y), instead of a legend."""
+    """Write the name of a curve to the right of its point (x, y). Such labels replace a legend."""
     axes.annotate(
         text, (x, y), xytext=(3, 0), textcoords="offset points", color=colour, ha="left", va="center", fontsize=8.6
     )
@@ -124,19 +131,22 @@ def curve_label(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
 def label_above(
     axes: Axes, x: float, y: float, text: str, colour: str = BLACK, lift: float = 5.0, **options: Any
 ) -> None:
-    """Write `text` above the point (x, y), by `lift` [points]."""
+    """Write `text` above the point (x, y), at a distance of `lift` [points]."""
     axes.annotate(text, (x, y), xytext=(0, lift), textcoords="offset points", color=colour, ha="center", **options)
 
 
 def model_legend(axes: Axes, columns: int = 2, **options: Any) -> None:
-    """Add a legend for the mode-coupling model and the full equations, and for the curves that have a label."""
+    """Add a legend with the line styles of the mode-coupling model and of the full equations.
+
+    Curves that have a label are included.
+    """
     axes.plot([], [], color=GREY, label="mode coupling", **MODEL_LINE)
     axes.plot([], [], color=GREY, linewidth=0.8, label="full")
     axes.legend(**{"loc": "upper right", "ncols": columns, "handlelength": 2.2} | options)
 
 
 def bead_colour(bead: int, strikers: int = 1) -> str:
-    """Return blue for strikers, orange for the bead that they hit, black for all others."""
+    """Return the colour of a bead: blue for strikers, orange for the bead that they hit, black for all other beads."""
     return BLUE if bead < strikers else ORANGE if bead == strikers else BLACK
 
 
@@ -144,9 +154,9 @@ SUFFIXES = (".png", ".pdf", ".csv")
 
 
 def save_figure(figure: Figure, path: Path, dpi: float | None = None) -> None:
-    """Write `figure` in the format of the suffix of `path`; the same figure gives the same file.
+    """Write `figure` to `path` in the format of the suffix. Equal figures give equal files.
 
-    It is drawn in memory first, because on a full disk the writer of .pdf would raise a library-specific error.
+    The figure is first drawn in memory. On a full disk, the writer of .pdf files would raise a library-specific error.
 
     Raises:
         OSError: if the file cannot be written.
@@ -158,7 +168,10 @@ def save_figure(figure: Figure, path: Path, dpi: float | None = None) -> None:
 
 
 def write_picture(picture: Figure, table: Table, stem: Path) -> list[Path]:
-    """Write `picture` to `stem`.png and .pdf and its numbers to .csv; return the paths. Raise UserError on failure."""
+    """Write `picture` to the files `stem`.png and `stem`.pdf, and its numbers to `stem`.csv. Return the paths.
+
+    Raise UserError if a file cannot be written.
+    """
     png, pdf, numbers = paths = [stem.with_name(stem.name + suffix) for suffix in SUFFIXES]
     with output_file(png) as temporary:
         save_figure(picture, temporary)

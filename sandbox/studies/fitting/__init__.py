@@ -1,1 +1,4 @@
-"""Free values of a scene: least squares against measured data or stated numbers, and design for a goal."""
+"""Search for free values of a scene.
+
+A fit uses least squares against measured data or stated numbers. A design reaches a goal such as the least force.
+"""

@@ -1,4 +1,7 @@
-"""`design`: free values of a scene for which a measure of its motion is as small or large as possible, or as stated."""
+"""The function `design`, which searches the free values of a scene for a goal.
+
+A goal is the smallest, the largest or a stated value of a measure of the motion.
+"""
 
 from __future__ import annotations
 
@@ -22,21 +25,22 @@ from softcradle.scenes.scene_errors import SceneError
 
 Progress = Callable[[str, int, int], None]
 
-# Value of a goal if the scene cannot be computed. It is larger than any measure.
+# Value of a goal for a scene that cannot be computed. It is larger than any measure.
 IMPOSSIBLE = 1e30
-# Members of a generation for each free value, and their limits. SciPy's default is 15 for each.
+# Members of a generation for each free value, and the smallest and largest size of a generation. SciPy's default is 15
+# members for each value.
 MEMBERS, FEWEST_MEMBERS, MOST_MEMBERS = 8, 16, 64
-# Largest number of generations.
+# Largest number of generations of the global search.
 GENERATIONS = 60
-# Spread of the goal over a generation, relative to its mean, at which the global search ends.
+# The global search ends if the spread of the goal over a generation, relative to its mean, is below this value.
 CONVERGED = 1e-4
-# Evaluations by the simplex search that refines the best member, per free value.
+# Largest number of evaluations for each free value in the simplex search that refines the best member.
 REFINEMENTS = 60
-# Starts of a search for stated values, if the first start does not reach them.
+# Number of starts of a search for stated values, if the first start does not reach them.
 STARTS = 8
-# Largest remaining difference of a goal with a stated value, relative to the value, that counts as reached.
+# A stated value counts as reached if the remaining difference, relative to the value, is at most this.
 REACHED = 1e-6
-# Step of the differences in a coordinate, for goals with a stated value.
+# Step of a coordinate for finite differences. It is used for goals with a stated value.
 STEP = 1e-4
 
 
@@ -53,11 +57,11 @@ class SceneDesign:
     free : tuple of FreeValue
         The free values with their bounds.
     values, errors : ndarray, shape (p,)
-        Found values, and the errors that follow from stated ranges of the goals; NaN without ranges.
+        Found values and their errors. The errors follow from the stated ranges of the goals; NaN without ranges.
     before, reached : ndarray, shape (G,)
-        Measures of the goals with the values of the scene, and with the found values.
+        Measures of the goals, first with the values of the scene, then with the found values.
     uniform : float
-        Best measure with one common value for each ``[:]``; NaN without such a list.
+        Best measure if all items of each list ``[:]`` have one common value; NaN without such a list.
     statements : tuple of str
         Sentences about the result.
     evaluations : int
@@ -77,12 +81,12 @@ class SceneDesign:
 
     @property
     def factor(self) -> float:
-        """Ratio by which the design is better than the best uniform values; NaN without them."""
+        """Ratio by which the design is better than the best uniform values; NaN without uniform values."""
         worse, better = self.uniform, float(self.reached[0])
         return worse / better if self.goals[0].sense != MOST else better / worse
 
     def numbers(self) -> dict[str, Any]:
-        """Return the numbers for JSON."""
+        """Return the numbers of the design for a JSON file."""
         from softcradle.physics.trajectory_file import versions
 
         return {
@@ -123,10 +127,10 @@ def design(
     scene : Scene or str
         Scene, or its name or path.
     goal : str or sequence of str
-        ``least`` or ``most`` and a measure, such as ``least peak force`` or ``momentum of bead 3`` (without a word: most). Or
+        A goal is ``least`` or ``most`` and a measure, such as ``least peak force``. The default is ``most``. Several goals are
         measures with stated values or ranges, such as ``missing momentum = 0.05..0.1``. ``of bead K`` and ``of contact K``
-        choose one bead or contact; without it, a measure of contacts means the worst one. ``lane K`` before the measure chooses
-        the lane.
+        choose one bead or contact. Without a choice, the worst contact counts. ``lane K`` before the measure chooses the
+        lane.
     free : sequence of str
         Free values as for :func:`softcradle.fit`, with bounds: ``lanes.0.contact[:].stiffness=10..500``.
     seed : int, optional
@@ -139,7 +143,7 @@ def design(
     Returns
     -------
     SceneDesign
-        Scene with the found values, and what they reach.
+        Scene with the found values, and the measures that they reach.
 
     Raises
     ------
@@ -148,7 +152,7 @@ def design(
 
     Examples
     --------
-    The mass between two others with which most momentum reaches the last bead is their geometric mean:
+    Find the mass of the middle ball with which the last ball gets the most momentum. It is the geometric mean of the others:
 
     >>> from softcradle import Chain, hertz, scenes
     >>> from softcradle.sandbox.studies.fitting.design_scene import design
@@ -175,7 +179,7 @@ def design(
 
 @dataclass
 class _Search:
-    """Measures of goals at coordinates of the free values."""
+    """Computation of the goals' measures for coordinates of the free values."""
 
     free: FreeValues
     goals: Sequence[Goal]
@@ -185,7 +189,7 @@ class _Search:
     reason: str = ""
 
     def measures(self, coordinates: Array) -> Array:
-        """Return the (S, G) measures at the coordinates (S, p); NaN if a scene cannot be computed."""
+        """Return the (S, G) measures at the coordinates (S, p). A measure is NaN if its scene cannot be computed."""
         found = np.full((len(coordinates), len(self.goals)), math.nan)
         starts: dict[int, Any] = {}
         for k, z in enumerate(coordinates):
@@ -207,7 +211,7 @@ class _Search:
         return found
 
     def _by_ends(self, rows: Sequence[int], starts: dict[int, Any], found: Array) -> bool:
-        """Compute all runs with `ensemble_ends`. Return False if they have to be computed one by one."""
+        """Compute all simulations with `ensemble_ends`. Return False if they must be computed one by one."""
         for g, goal in enumerate(self.goals):
             own = [starts[k][goal.lane] for k in rows]
             try:
@@ -227,13 +231,13 @@ class _Search:
         return math.nan if run.status.gave_up else value
 
     def cost(self, coordinates: Array) -> Array:
-        """Return what the search minimises, at the coordinates (S, p)."""
+        """Return the cost that the search minimises, at the coordinates (S, p)."""
         found = self.measures(coordinates)[:, 0]
         signed = -found if self.goals[0].sense == MOST else found
         return np.where(np.isfinite(signed), signed, IMPOSSIBLE)
 
     def residuals(self, z: Array) -> Array:
-        """Return the differences to the stated values, in units of the stated ranges."""
+        """Return the differences between measures and stated values, in units of the stated ranges."""
         return (self.measures(z[None, :])[0] - [goal.target for goal in self.goals]) / self.sizes
 
     @property
@@ -243,7 +247,10 @@ class _Search:
     def global_minimum(
         self, bounds: Sequence[tuple[float, float]], spread: Callable[[Array], Array], tell: Progress, name: str
     ) -> Array:
-        """Return the best coordinates within `bounds`; `spread` maps (S, q) searched coordinates to (S, p) coordinates."""
+        """Return the best coordinates within `bounds`.
+
+        The function `spread` maps (S, q) searched coordinates to (S, p) coordinates.
+        """
         from scipy.optimize import differential_evolution, minimize
 
         q = len(bounds)
@@ -266,7 +273,10 @@ class _Search:
 
 
 def _best(scene: Scene, search: _Search, free: Sequence[str], before: Array, tell: Progress) -> SceneDesign:
-    """Return the design with the least or largest measure, and compare it with the best uniform values."""
+    """Return the design with the least or largest measure.
+
+    The result is compared with the best uniform values.
+    """
     values = search.free.values
     bounds = []
     for one in values:
@@ -311,7 +321,7 @@ def _best(scene: Scene, search: _Search, free: Sequence[str], before: Array, tel
 
 
 def _groups(scene: Scene, free: Sequence[str]) -> list[int]:
-    """Return the number of the text in `free` from which each free value comes."""
+    """Return one number for each free value: the index of the text in `free` that names it."""
     found = list[int]()
     for number, text in enumerate(free):
         count = len(scene_values(scene, [text], 0, 1.0))
@@ -320,7 +330,7 @@ def _groups(scene: Scene, free: Sequence[str]) -> list[int]:
 
 
 def _reached(scene: Scene, search: _Search, before: Array, first: Array) -> SceneDesign:
-    """Return the values with which the measures are as stated, with errors from the stated ranges."""
+    """Return the design whose measures have the stated values. Its errors follow from the stated ranges."""
     from scipy.optimize import least_squares
     from scipy.stats import qmc
 

@@ -1,4 +1,4 @@
-"""Error bars of a fit, and a plain statement of what the data cannot determine."""
+"""Error bars of a fit, and sentences that describe which values the data cannot determine."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ from numpy.typing import NDArray
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.studies.fitting.parameters import FreeValue
 
-# Error bar of a coordinate (relative for positive values, in units of the scale for others) from which on a value counts as
-# undetermined. Linear error propagation is then no longer a good approximation.
+# Error bar of a coordinate from which on its value counts as undetermined. It is relative for positive values, and in
+# units of the scale for other values. For larger errors, linear error propagation is not a good approximation.
 WIDE = 0.4
-# Singular value of the Jacobian with columns of norm 1, below which the free values are not separately determined. The
-# errors of the finite differences are of this size.
+# Limit of the singular values of the Jacobian after its columns were scaled to norm 1. If one is smaller, the free
+# values are not separately determined. The errors of the finite differences are of this size.
 SMALLEST_SINGULAR = 1e-5
-# Share of a coordinate in a direction that the data do not determine, relative to the largest, from which on the value is
-# part of this statement.
+# The data may leave one direction of the coordinates undetermined. A value is named in the statement about this
+# direction if its component, relative to the largest component, is at least this.
 PART = 0.1
 # Correlation from which on two values are reported as determined together.
 STRONG = 0.99
-# Distance from a bound, in error bars or relative to the coordinate, at which a value lies on the bound.
+# A value lies on a bound if its distance from the bound is at most this, in error bars or relative to the coordinate.
 ON_BOUND = 1e-3
-# Autocorrelation of neighbouring residuals, in units of its standard deviation for random residuals, from which on the
-# residuals are not random.
+# Residuals are not random if the autocorrelation of neighbouring residuals exceeds this multiple of its standard
+# deviation. The standard deviation is that of random residuals.
 NOT_RANDOM = 5.0
 
 
 @dataclass(frozen=True)
 class Determined:
-    """Error bars of the coordinates.
+    """Error bars of the coordinates of a fit.
 
     Attributes:
         errors: (p,) standard deviations of the coordinates; inf if undetermined, NaN at a bound.
-        correlation: (p, p); NaN for values without an error bar.
+        correlation: (p, p) correlations; NaN for values without an error bar.
         known: (p,) True for values that the data determine.
-        singular: singular values of the Jacobian with columns of norm 1.
+        singular: singular values of the Jacobian after its columns were scaled to norm 1.
         statements: sentences for the user.
     """
 
@@ -51,15 +51,15 @@ class Determined:
 def determine(free: Sequence[FreeValue], z: Array, jacobian: Array, variance: float, floor: float) -> Determined:
     """Return the error bars at the coordinates `z`.
 
-    `jacobian` (N, p) contains derivatives of the weighted residuals by the coordinates, `variance` is that of a weighted
-    residual, and `floor` is the norm below which a column is only an error of the finite differences.
+    `jacobian` (N, p) contains the derivatives of the weighted residuals with respect to the coordinates. `variance` is
+    the variance of a weighted residual. A column with a norm below `floor` is only an error of the finite differences.
     """
     p = len(free)
     norm = np.linalg.norm(jacobian, axis=0)
     errors, correlation = np.full(p, math.inf), np.full((p, p), math.nan)
     statements = list[str]()
     spread = math.sqrt(variance)
-    # Without noise the residuals are the errors of the runs.
+    # Without noise, the residuals consist of the errors of the simulations.
     alone = max(spread, 1e-30) / np.maximum(norm, 1e-300)
     at_bound = np.zeros(p, dtype=bool)
     for k, one in enumerate(free):
@@ -103,7 +103,7 @@ def determine(free: Sequence[FreeValue], z: Array, jacobian: Array, variance: fl
 
 
 def _bound(one: FreeValue, z: float, error: float) -> str:
-    """Return the bound on which the coordinate z lies as text, or an empty text."""
+    """Return the bound on which the coordinate z lies as text. The text is empty if z does not lie on a bound."""
     low, high = one.bounds
     near = ON_BOUND * min(max(error, 1e-6), 1.0)
     if z - low <= near:
@@ -124,7 +124,7 @@ def _pairs(free: Sequence[FreeValue], used: NDArray[np.int64], correlation: Arra
 
 
 def not_random(residuals: Array, which: NDArray[np.int64]) -> bool:
-    """Return True if neighbouring residuals of a column agree more often than random ones would."""
+    """Return True if neighbouring residuals of a column are more alike than random residuals would be."""
     products = squares = 0.0
     count = 0
     for k in np.unique(which).tolist():

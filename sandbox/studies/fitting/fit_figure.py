@@ -1,4 +1,4 @@
-"""Figure of a fit: data and fit of each quantity over time, and the residuals below."""
+"""Figure of a fit. It shows data and fit of each quantity over time, and the residuals below."""
 
 from __future__ import annotations
 
@@ -21,11 +21,15 @@ if TYPE_CHECKING:
     from softcradle.sandbox.studies.fitting.fit_scene import SceneFit
 
 HEIGHT = 3.4  # Height of the figure [inches].
-MOST_POINTS = 600  # Largest number of drawn data of a column. More would be one thick line.
+# Largest number of data points drawn for a column of data. More points would look like one thick line.
+MOST_POINTS = 600
 
 
 def draw_fit(found: SceneFit) -> Figure:
-    """Return a figure with a column of two panels for each quantity: data with the fit, and data minus fit."""
+    """Return a figure with a column of two panels for each quantity.
+
+    The upper panel shows the data and the fit. The lower panel shows the data minus the fit.
+    """
     require_matplotlib()
     quantities = list(found.noise)
     with styled():

@@ -1,4 +1,4 @@
-"""`fit`: least squares of a scene against measured positions, velocities or forces."""
+"""The function `fit`, which fits a scene to measured positions, velocities or forces by least squares."""
 
 from __future__ import annotations
 
@@ -26,27 +26,31 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, int, int], None]
 
-# Step of the central differences in a coordinate. Errors of the runs (1e-10) divided by it and its square are both small.
+# Step of the central differences in a coordinate. Simulations have errors of 1e-10. These errors divided by the step
+# are small, and so is the square of the step.
 STEP = 1e-4
-# Largest numbers of iterations of a local search: while starts are compared, and for the result.
+# Largest number of iterations of a local search, first while starts are compared, then for the result.
 ITERATIONS_OF_A_START, ITERATIONS = 15, 100
-# Relative changes of the sum of squares and of the coordinates at which a local search ends.
+# A local search ends if the relative changes of the sum of squares and of the coordinates are below this.
 CONVERGED = 1e-10
-# Number of starts of an automatic search whose sums of squares are compared, and number of local searches.
+# Number of starts of an automatic search whose sums of squares are compared, and number of local searches from the best
+# starts.
 SCREENED, SEARCHED = 48, 4
-# Number of rows of the data with which starts are compared and searched from.
+# Number of rows of the data that are used while starts are compared and local searches are made.
 SEARCH_ROWS = 250
-# Rounds that estimate the noise of several quantities from their residuals.
+# Number of rounds in which the noise of several quantities is estimated from their residuals.
 ROUNDS = 3
-# Half width of the starts around the value of a scene, in coordinates: a factor e each way for positive values.
+# Half width of the range of starts around the value of the scene, in coordinates. For positive values it is a factor e
+# in both directions.
 AROUND = 1.0
-# Significant digits of the error bar to which a fitted value is rounded.
+# Number of significant digits of the error bar to which a fitted value is rounded.
 DIGITS_OF_ERROR = 4
-# Weighted residual if the scene cannot be computed with some values.
+# Weighted residual for values with which the scene cannot be computed.
 IMPOSSIBLE = 1e6
-# Smallest number of data for each free value.
+# Smallest number of data points for each free value.
 FEWEST_DATA = 2
-# Difference between the first datum and the fit, relative to the range of the data, that suggests a free offset.
+# A free offset is suggested if the first data point differs from the fit by more than this fraction of the data's
+# range.
 OFF = 0.2
 
 
@@ -79,11 +83,11 @@ class SceneFit:
     residuals : tuple of ndarray, shape (T,)
         Data minus fit of each column; NaN without a datum.
     singular_values : ndarray
-        Singular values of the Jacobian with columns of norm 1. A small one belongs to a combination that is hardly determined.
+        Singular values of the Jacobian with columns of norm 1. A small singular value means a poorly determined combination.
     starts : int
         Number of local searches.
     runs : int
-        Number of runs of the scene.
+        Number of simulations of the scene.
     """
 
     scene: Scene
@@ -106,7 +110,7 @@ class SceneFit:
     table: MeasuredTable
 
     def plot(self) -> Figure:
-        """Return a figure with data, fit and residuals. Needs the extra [figures]."""
+        """Return a figure with data, fit and residuals. It requires the optional dependencies [figures]."""
         from softcradle.sandbox.studies.fitting.fit_figure import draw_fit
 
         return draw_fit(self)
@@ -143,7 +147,7 @@ def fit(
 ) -> SceneFit:
     """Fit free values of a scene to measured positions, velocities or forces by least squares.
 
-    The residuals are differences between the data and a run of the scene at the times of the data. SciPy's trust-region
+    The residuals are differences between the data and a simulation at the times of the data. SciPy's trust-region
     method minimises the sum of their squares within the bounds. Each quantity is weighted by its own noise, which is
     estimated from the residuals. The error bars are standard deviations by linear error propagation.
 
@@ -157,21 +161,21 @@ def fit(
     free : sequence of str
         Free values: paths of numbers in the scene such as ``lanes.0.contact.loss`` or ``lanes.0.mass[1]``. ``[*]`` stands for
         all items of a list with one common value, ``[:]`` for all items with separate values. ``=LOW..HIGH`` after a path
-        gives bounds. ``start`` frees the time of the data at which the scene begins, ``offset`` the origin of each
-        column of positions. Before its start the beads of a scene move with constant velocities.
+        gives bounds. ``start`` frees the time of the data at which the scene begins. ``offset`` frees the origin of each
+        column of positions. Before the start of the scene, its beads move with constant velocities.
     lane : int, optional
         Lane to which the data belong.
     quantities : sequence of str, optional
-        Quantities that are used: position, velocity, force. By default forces, and positions or else velocities.
+        Quantities that are used: position, velocity, force. The default is forces, and positions or else velocities.
     columns : dict, optional
         Meaning of columns whose names do not show it, such as ``{"marker 7 X": "position 0"}``.
     between : (float, float), optional
         First and last time [s] of the data that are used.
     window : float, optional
-        Use only data within this time [s] of the first hit. The hit is located by a first fit of all data.
+        Use only data within this time [s] of the first collision, which is located by a first fit of all data.
     starts : int, optional
-        Number of local searches from different starts. By default there are more than one only if the residuals of the first
-        are not random.
+        Number of local searches from different starts. By default, more than one search is made only if the residuals of
+        the first search are not random.
     seed : int, optional
         Seed of the starts.
     progress : callable, optional
@@ -232,7 +236,7 @@ def fit(
 
 
 def _thinned(table: MeasuredTable, problem: _Problem) -> MeasuredTable:
-    """Return evenly spaced rows of the table, enough for a search of the minimum."""
+    """Return evenly spaced rows of the table. They are sufficient for the search of a minimum."""
     fewest = max(SEARCH_ROWS, 8 * len(problem.free))
     if table.time.size <= 2 * fewest:
         return table
@@ -253,7 +257,7 @@ def _cut(table: MeasuredTable, begin: float, end: float) -> MeasuredTable:
 
 @dataclass(frozen=True)
 class _Found:
-    """Local minimum: coordinates, sum of squares, Jacobian, and number of local searches."""
+    """Local minimum with its coordinates, sum of squares, Jacobian, and number of local searches."""
 
     z: Array
     cost: float
@@ -263,12 +267,12 @@ class _Found:
 
 @dataclass
 class _Problem:
-    """Weighted least-squares problem in the coordinates of the free values."""
+    """Weighted least-squares problem whose unknowns are the coordinates of the free values."""
 
     scene: Scene
     model: MotionModel
-    weight: Array  # (N,) 1 over the noise of each datum
-    # Reason why the scene could not be computed with the first impossible values.
+    weight: Array  # (N,) Each weight is 1 divided by the noise of the data point.
+    # Reason why the scene could not be computed, for the first values with which it failed.
     reason: str = ""
 
     @classmethod
@@ -281,7 +285,10 @@ class _Problem:
         quantities: Sequence[str],
         columns: Mapping[str, str] | None,
     ) -> _Problem:
-        """Return the problem of these data. Raise StudyError if free values, columns and data do not fit together."""
+        """Return the least-squares problem for the data.
+
+        Raise StudyError if free values, columns and data do not fit together.
+        """
         chain = scene.lanes[lane].chain()
         observed = observations(table, chain, quantities, columns)
         duration = float(table.time[-1] - table.time[0])
@@ -294,7 +301,7 @@ class _Problem:
             raise StudyError(
                 f"{table.name}: {len(values)} free values need at least {needed} data, not {model.data.size}"
             )
-        # Before there are residuals, a quantity is weighted by its spread.
+        # Before residuals are known, a quantity is weighted by the spread of its data.
         weight = np.ones(model.data.size)
         for rows in _groups(model).values():
             weight[rows] = 1.0 / (float(np.std(model.data[rows])) or 1.0)
@@ -305,7 +312,7 @@ class _Problem:
         return self.model.free.values
 
     def residuals(self, z: Array) -> Array:
-        """Return the weighted residuals; large ones if the scene cannot be computed there."""
+        """Return the weighted residuals at the coordinates `z`. They are large if the scene cannot be computed."""
         try:
             predicted = self.model.predicted(self.model.free.outer(z))
         except ValueError as error:
@@ -316,9 +323,10 @@ class _Problem:
         return np.where(np.isfinite(found), found, IMPOSSIBLE)
 
     def jacobian(self, z: Array) -> Array:
-        """Return the (N, p) central differences of the residuals; one-sided at a bound.
+        """Return the (N, p) central differences of the residuals. The difference is one-sided at a bound.
 
-        A force jumps when a contact with preload closes. Differences across a jump are not derivatives, and are set to 0.
+        A force jumps when a contact with preload closes. A difference across a jump is not a derivative, and is set to
+        0.
         """
         columns, middle = [], self.residuals(z) if self._jumps.any() else np.zeros(0)
         for k, one in enumerate(self.free):
@@ -335,11 +343,11 @@ class _Problem:
 
     @property
     def _jumps(self) -> NDArray[np.bool_]:
-        """(N,) True for data that can jump in time: forces."""
+        """Return (N,) True for data that can jump in time, which are the forces."""
         return np.array([self.model.observed[k].quantity == FORCE for k in self.model.which.tolist()])
 
     def local(self, z: Array, iterations: int) -> _Found:
-        """Return the minimum that a local search finds from z."""
+        """Return the minimum that a local search finds when it starts at `z`."""
         from scipy.optimize import least_squares
 
         inside = np.array([one.inside(float(at)) for one, at in zip(self.free, z, strict=True)])
@@ -351,12 +359,15 @@ class _Problem:
         return _Found(found.x, 2.0 * float(found.cost), found.jac, 1)
 
     def refined(self, values: Sequence[float]) -> _Found:
-        """Return the minimum near the free values `values` of a search with fewer data."""
+        """Return the minimum near `values`, which a search with fewer data has found."""
         z = np.array([one.inner(at) for one, at in zip(self.free, values, strict=True)])
         return self._weighted(self.local(z, ITERATIONS))
 
     def solved(self, starts: int | None, seed: int, tell: Progress) -> _Found:
-        """Return the best minimum: from the values of the scene, and from more starts if that is needed."""
+        """Return the best minimum of all local searches.
+
+        The first search starts at the values of the scene. Other starts follow if they are needed.
+        """
         wanted = 1 if starts is None else starts
         first = np.array([one.inner(one.value) for one in self.free])
         tell("starts", 0, wanted)
@@ -378,7 +389,7 @@ class _Problem:
         return replace(best, starts=1 + len(candidates))
 
     def _weighted(self, found: _Found) -> _Found:
-        """Return the minimum with each quantity weighted by the noise of its residuals."""
+        """Return the minimum after each quantity was weighted by the noise of its residuals."""
         groups = _groups(self.model)
         if len(groups) == 1:
             return found
@@ -392,7 +403,10 @@ class _Problem:
         return found
 
     def _screened(self, seed: int, count: int, best: Array) -> list[Array]:
-        """Return the `count` most promising of many starts: around the values of the scene, with velocities of the data."""
+        """Return the `count` most promising of many starts.
+
+        The starts lie around the values of the scene. Most of them take their velocities from the data.
+        """
         from scipy.stats import qmc
 
         free, model = self.free, self.model
@@ -404,7 +418,8 @@ class _Problem:
         for k, draw in enumerate([*draws]):
             z = box[:, 0] + draw * (box[:, 1] - box[:, 0])
             values = model.free.outer(z)
-            if k % 4:  # Most starts take the velocities from the data, some do not trust them.
+            # Most starts take the velocities from the data. The other starts keep their own, in case the data mislead.
+            if k % 4:
                 values = model.with_slopes(values, paths)
             try:
                 predicted = model.predicted(values)
@@ -420,7 +435,7 @@ class _Problem:
 
     @staticmethod
     def _span(one: FreeValue) -> tuple[float, float]:
-        """Return the range of coordinates in which starts lie."""
+        """Return the range of a coordinate in which the starts lie."""
         low, high = one.bounds
         if one.given and math.isfinite(high - low):
             return low, high
@@ -430,7 +445,10 @@ class _Problem:
         return max(low, middle - AROUND), min(high, middle + AROUND)
 
     def first_hit(self, z: Array) -> float:
-        """Return the time of the data [s] of the first hit of the fit. Raise StudyError if no contact closes."""
+        """Return the time of the first collision in the fit, on the time axis of the data [s].
+
+        Raise StudyError if no contact closes.
+        """
         values = self.model.free.outer(z)
         run, _ = self.model.motion(values)
         begins = [spans[0][0] for spans in run.contact_intervals if spans]
@@ -439,7 +457,7 @@ class _Problem:
         return min(begins) + self.model.start_time(values)
 
     def result(self, found: _Found, table: MeasuredTable) -> SceneFit:
-        """Return the result for the user."""
+        """Return the result of the fit in the form that users get."""
         model, free = self.model, self.free
         residuals = self.residuals(found.z)
         degrees = max(residuals.size - len(free), 1)
@@ -475,7 +493,7 @@ class _Problem:
         )  # fmt: skip
 
     def _floor(self) -> float:
-        """Return the norm of a column of the Jacobian that is only an error of the runs."""
+        """Return the norm below which a column of the Jacobian is only an error of the simulations."""
         speed = max(map(abs, self.scene.lanes[self.model.lane].velocity)) or 1.0
         span = dict.fromkeys(UNIT_OF, 1.0) | {POSITION: float(np.ptp(self.model.time))}
         sizes = [span[self.model.observed[k].quantity] for k in self.model.which.tolist()]
@@ -501,7 +519,7 @@ class _Problem:
 
 
 def _groups(model: MotionModel) -> dict[str, NDArray[np.bool_]]:
-    """Return the rows of the data of each quantity."""
+    """Return, for each quantity, which rows of the data belong to it."""
     quantities = np.array([model.observed[k].quantity for k in model.which.tolist()])
     return {quantity: quantities == quantity for quantity in dict.fromkeys(quantities.tolist())}
 
@@ -537,14 +555,14 @@ def _of_data(
 
 
 def _velocity_paths(scene: Scene, lane: int) -> dict[int, str]:
-    """Return the paths of the start velocity of each bead; that of all strikers for the first bead."""
+    """Return the path of the start velocity of each bead. The first bead has the path of the velocity of all strikers."""
     velocity = scene.lanes[lane].velocity
     paths = {k: f"lanes.{lane}.velocity.{k}" for k in range(len(velocity))}
     return paths if len(velocity) else {0: f"lanes.{lane}.velocity"}
 
 
 def _rounded(value: float, error: float, one: FreeValue) -> float:
-    """Return the value with a few digits more than its error bar, within its bounds."""
+    """Return the value within its bounds, rounded to a few digits more than its error bar."""
     if math.isfinite(error) and error > 0.0:
         digits = DIGITS_OF_ERROR - 1 - math.floor(math.log10(error))
         value = round(float(value), digits)

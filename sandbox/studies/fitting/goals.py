@@ -1,4 +1,4 @@
-"""Goals of a design: a measure of the motion that is made as small or large as possible, or that has a stated value."""
+"""Goals of a design. The measure of a goal is made as small or large as possible, or reaches a stated value."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ GOAL = re.compile(
     r"(?:lane (?P<lane>\d+) )?(?:(?P<sense>least|most) )?(?P<measure>[a-z_][a-z_ ]*?)"
     r"(?: of (?P<kind>bead|contact) (?P<index>\d+))?(?: ?= ?(?P<target>[^=]+))?",
 )
-# Number of samples with which a largest force is located between contact times. The overlap is then interpolated.
+# Number of samples that locate the largest force of a contact while it is closed. The overlap is then interpolated.
 SAMPLES = 201
 
 
 @dataclass(frozen=True)
 class Goal:
-    """Measure of one lane, with its sense or its target.
+    """Measure of one lane that is minimised, maximised or brought to a target.
 
     Attributes:
         text: text of the goal.
         lane: number of the lane.
-        sense: "least", "most", or "" for a target.
+        sense: "least", "most", or "" for a goal with a target.
         measure: name of the measure.
         index: number of the bead or contact, or None.
-        target: wanted value, NaN without one.
-        error: half of a stated range of values, 0 for a single value.
+        target: wanted value; NaN without one.
+        error: half the width of a stated range of values; 0 for a single value.
         unit: unit of the measure.
     """
 
@@ -52,18 +52,18 @@ class Goal:
 
     @property
     def of_ends(self) -> bool:
-        """True if the end of a run is sufficient for the measure."""
+        """True if the measure depends only on the final state of a simulation."""
         return self.measure in OF_ENDS or self.measure in BEAD_MEASURES
 
     def value(self, run: Run) -> float:
-        """Return the measure of a run; NaN if it does not exist."""
+        """Return the measure of a simulation; NaN if it does not exist."""
         found = _values(self.measure, run)
         if found is None:
             return math.nan
         numbers = np.atleast_1d(np.array([math.nan if one is None else one for one in np.atleast_1d(found)], float))
         if self.index is not None:
             return float(numbers[self.index])
-        # The goal holds for the worst bead or contact.
+        # The goal must hold for the worst bead or contact.
         return float(numbers.min() if self.sense == MOST else numbers.max())
 
 
@@ -74,13 +74,14 @@ def _of_bead(each: Callable[[Array, Array], Array]) -> Callable[[Run], Array]:
     return values
 
 
-# Measures of beads at the end of a run, in addition to the table of measures: unit and function of a Run.
+# Measures of beads at the end of a simulation that the table of measures does not contain. Each has a unit and a
+# function of a Run.
 BEAD_MEASURES: dict[str, tuple[str, Callable[[Run], Array]]] = {
     "momentum": ("N s", _of_bead(lambda mass, velocity: mass * velocity)),
     "velocity": ("m/s", _of_bead(lambda mass, velocity: velocity)),
     "energy": ("J", _of_bead(lambda mass, velocity: 0.5 * mass * velocity**2)),
 }
-FORCES = ("peak_force", "largest_force")  # Names of the largest force of each contact.
+FORCES = ("peak_force", "largest_force")  # Names of the measure "largest force of each contact".
 
 
 def _values(name: str, run: Run) -> Any:
@@ -92,7 +93,10 @@ def _values(name: str, run: Run) -> Any:
 
 
 def peak_forces(run: Run) -> Array:
-    """Return the largest force [N] of each contact during a run, from interpolated largest overlaps."""
+    """Return the largest force [N] of each contact during a simulation.
+
+    It is computed from the interpolated largest overlap.
+    """
     found = collide(run.start.chain, run.start.velocity, samples=SAMPLES, run=solve, **run.start.settings)
     run.sampled = found
     contacts = found.chain.contacts
@@ -108,14 +112,14 @@ def _peak_force(run: Trajectory, contact: int) -> float:
     depth = float(overlap[k])
     other = k + 1 if rate[k] > 0.0 else k - 1
     if 0 <= other < overlap.size and rate[k] * rate[other] < 0.0:
-        # The rate falls linearly through 0 between the two samples.
+        # The rate is assumed to fall linearly through 0 between the two samples.
         time = float(run.time[other] - run.time[k]) * float(rate[k] / (rate[k] - rate[other]))
         depth += 0.5 * float(rate[k]) * time
     return max(largest, float(run.chain.contact[contact].force(depth)))
 
 
 def goals_of(texts: Sequence[str], lanes: Sequence[Lane]) -> list[Goal]:
-    """Return the goals that the texts describe. Raise StudyError if they do not fit together."""
+    """Return the goals that the texts describe. Raise StudyError if the goals do not fit together."""
     found = [_goal(text, lanes) for text in texts]
     if not found:
         raise StudyError("a design needs a goal, such as 'least peak force'")
@@ -153,7 +157,10 @@ def _goal(text: str, lanes: Sequence[Lane]) -> Goal:
 
 
 def _described(name: str) -> tuple[str, str]:
-    """Return the unit of a measure, and "bead", "contact" or "" for its owner. Raise StudyError if it is unknown."""
+    """Return the unit of a measure, and "bead" or "contact" if it belongs to one, or "".
+
+    Raise StudyError if the measure is unknown.
+    """
     if name in BEAD_MEASURES:
         return BEAD_MEASURES[name][0], "bead"
     if name in FORCES:
@@ -163,7 +170,7 @@ def _described(name: str) -> tuple[str, str]:
 
 
 def _target(text: str, goal: str) -> tuple[float, float]:
-    """Return the middle and the half of a stated value or range; percent are allowed."""
+    """Return the middle and half the width of a stated range. Percentages are allowed. A single value has width 0."""
     unit = 0.01 if text.strip().endswith("%") else 1.0
     try:
         parts = [unit * float(part) for part in text.strip().rstrip("%").split("..")]

@@ -1,4 +1,4 @@
-"""Model of a fit: the free values in, the predicted data out, through `solve`."""
+"""Model of a fit. It predicts the data from the free values with `solve`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from softcradle.sandbox.studies.fitting.parameters import OFFSET, START, FreeVal
 from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes.scene_errors import SceneError
 
-# Tolerance of the runs if the scene states none. Differences of runs are the derivatives, so it is far below any noise.
+# Tolerance of the simulations if the scene does not set it. Derivatives are differences of simulations, so the
+# tolerance is far below any noise.
 TOLERANCE = 1e-10
 
 
@@ -32,7 +33,7 @@ class MotionModel:
         lane: number of the lane.
         time: (T,) times of the data [s].
         observed: the columns of data.
-        runs: number of runs so far.
+        runs: number of simulations so far.
     """
 
     free: FreeValues
@@ -62,17 +63,17 @@ class MotionModel:
 
     @property
     def tolerance(self) -> float:
-        """Tolerance of the runs; that of the default for fixed steps."""
+        """Tolerance of the simulations. It is the default for methods with fixed steps."""
         return float(self.settings.get("tolerance", TOLERANCE))
 
     def start_time(self, values: Sequence[float]) -> float:
-        """Return the time of the data [s] at which the motion of the scene begins."""
+        """Return the time at which the motion of the scene begins, on the time axis of the data [s]."""
         return 0.0 if self._start is None else values[self._start]
 
     def motion(self, values: Sequence[float]) -> tuple[Trajectory, NDArray[np.int64]]:
-        """Return the run with samples at the times of the data, and the (T,) numbers of its samples.
+        """Return the simulation with samples at the times of the data, and the (T,) indices of its samples.
 
-        Raise ValueError if the scene does not accept the values, and StudyError if the run gave up.
+        Raise ValueError if the scene does not accept the values. Raise StudyError if the simulation gave up.
         """
         try:
             start = self.free.points.starts(self.free.of_scene(values))[self.lane]
@@ -94,7 +95,7 @@ class MotionModel:
         return run, which[:-1].astype(np.int64)
 
     def predicted(self, values: Sequence[float]) -> Array:
-        """Return the predictions for all present data. Errors are those of `motion`."""
+        """Return the predictions for all data that are present. Raise the same errors as `motion`."""
         run, which = self.motion(values)
         early = np.minimum(self.time - self.start_time(values), 0.0)
         found = []
@@ -111,7 +112,9 @@ class MotionModel:
         return np.concatenate(found)
 
     def with_offsets(self, values: Sequence[float], predicted: Array) -> tuple[list[float], Array]:
-        """Return the values and predictions with the best offsets, which are mean differences."""
+        """Return the values and predictions with the best offsets. An offset is the mean difference of data and
+        prediction.
+        """
         better, shifted = list(values), predicted.copy()
         for k, at in self._offsets.items():
             rows = self.which == k
@@ -122,7 +125,10 @@ class MotionModel:
         return better, shifted
 
     def with_slopes(self, values: Sequence[float], beads: Mapping[int, str]) -> list[float]:
-        """Return the values with start velocities from the first tenth of the data, for paths of single `beads`."""
+        """Return the values with start velocities estimated from the first tenth of the data.
+
+        Only the paths of single `beads` are changed.
+        """
         better = list(values)
         for k, one in enumerate(self.free.values):
             bead = next((bead for bead, path in beads.items() if path == one.path), None)
@@ -143,6 +149,6 @@ class MotionModel:
 
 
 def starts_freely(chain: Chain) -> bool:
-    """Return True if the beads move with constant velocities before the start."""
+    """Return True if the beads move with constant velocities before the start of the scene."""
     free = chain.drive is None and not chain.forces and not chain.brakes and not chain.friction
     return free and min(chain.gap) >= 0.0

@@ -1,4 +1,4 @@
-"""Columns of a measured table as observations of beads and contacts."""
+"""Interpretation of the columns of a measured table as observations of beads and contacts."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from softcradle.sandbox.user_error import StudyError
 
 FITTED = (POSITION, VELOCITY, FORCE)  # Quantities that a fit can use.
 UNIT_OF = {POSITION: "m", VELOCITY: "m/s", FORCE: "N"}
-# Number of a bead or contact in a name that consists of a quantity and this number, such as v0, x_{1}, force 0-1.
+# Pattern of a name that consists of a quantity and the number of a bead or contact, such as v0, x_{1} or force 0-1.
 NUMBERED = re.compile(r"(?:[a-z]|[^\W\d]{3,})[\s_{(]*(\d+)(?:\s*-\s*\d+)?[})]*$", re.IGNORECASE)
 PLACE = re.compile(rf"({'|'.join(FITTED)})\s*[\[ .]?\s*(\d+)\]?$")
 
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """Column of data, and what it measures.
+    """Column of data with the bead or contact that it describes.
 
     Attributes:
         name: name of the column in the data.
         quantity: position, velocity or force.
-        index: number of the bead, or of the contact of a force.
-        values: (T,) in SI units; NaN without a value.
+        index: number of the bead, or of the contact for a force.
+        values: (T,) values in SI units; NaN if a value is missing.
     """
 
     name: str
@@ -50,9 +50,10 @@ class Observation:
 
 
 def table_from(data: Any) -> MeasuredTable:
-    """Return the table in a file, or of a mapping from names such as `time`, `velocity 0` and `left x (mm)` to arrays.
+    """Return the measured table from a file or a mapping.
 
-    Raise UserError or StudyError if the data are not a table with a time.
+    A mapping contains arrays by names such as `time`, `velocity 0` and `left x (mm)`. Raise UserError or StudyError if
+    the data are not a table with a time.
     """
     if isinstance(data, MeasuredTable):
         return data
@@ -83,8 +84,9 @@ def observations(
 ) -> list[Observation]:
     """Return the columns of `table` that a fit uses, each with its bead or contact.
 
-    Without `quantities`, these are the positions, or else the velocities, and also the forces. `columns` maps names of columns to
-    places such as "position 0"; then only these columns are used. Raise StudyError if the place of a column is unclear.
+    Without `quantities`, the fit uses the forces and the positions. It uses velocities if there are no positions. The
+    mapping `columns` gives the place of columns by name, such as "position 0". If it is given, only its columns are
+    used. Raise StudyError if the place of a column is unclear.
     """
     if columns:
         return [_stated(table, chain, name, place) for name, place in columns.items()]
@@ -112,7 +114,7 @@ def _contents(table: MeasuredTable) -> str:
 
 
 def _stated(table: MeasuredTable, chain: Chain, name: str, place: str) -> Observation:
-    """Return the observation of a column whose place the user states."""
+    """Return the observation of a column whose place the user has given."""
     column = next((one for one in table.columns if one.name == name), None)
     if column is None:
         raise StudyError(f"{table.name}: there is no column {name!r}; it contains {_contents(table)}")
@@ -129,9 +131,10 @@ def _stated(table: MeasuredTable, chain: Chain, name: str, place: str) -> Observ
 
 
 def _placed(table: MeasuredTable, chain: Chain, quantity: str) -> list[Observation]:
-    """Return the observations of a quantity. The numbers in the names, or else the order of the columns, give the beads.
+    """Return the observations of a quantity.
 
-    Positions of markers without such numbers are sorted from left to right.
+    The numbers in the names of the columns are the numbers of the beads. Without numbers, the order of the columns
+    counts. Positions of markers without numbers are sorted from left to right.
     """
     columns = table.along_row(quantity)
     count = chain.contacts + (quantity != FORCE)
@@ -174,7 +177,7 @@ def _number(column: Column) -> int | None:
 
 
 def _from_left(table: MeasuredTable, columns: Sequence[Column]) -> list[int]:
-    """Return the order of the columns from left to right, by their first positions."""
+    """Return the order of the columns from left to right, given by their first positions."""
     places = table.along_row(POSITION)
     if len(places) != len(columns):
         return list(range(len(columns)))

@@ -1,4 +1,4 @@
-"""Free values of a scene: their paths, physical limits, bounds and scales."""
+"""Free values of a scene, with their paths, physical limits, bounds and scales."""
 
 from __future__ import annotations
 
@@ -19,28 +19,30 @@ from softcradle.sandbox.user_error import StudyError
 from softcradle.scenes import Lane, Scene
 from softcradle.scenes.toml_table import suggestion
 
-START, OFFSET = "start", "offset"  # Free values that belong to the data instead of the scene.
-EACH = ":"  # Key of a path that stands for every item of a list, each with a separate value.
-# Factor between a positive value of the scene and its bounds if the user gives none.
+START, OFFSET = "start", "offset"  # Names of free values that belong to the data and not to the scene.
+EACH = ":"  # Key of a path that stands for every item of a list. Each item has a separate value.
+# If the user gives no bounds, the bounds of a positive value are the value divided and multiplied by this factor.
 WIDEST = 1e3
-# Keys of exponents, which have limits that the schema does not contain.
+# Keys of exponents. The limits of exponents are not part of the schema.
 EXPONENTS = ("alpha", "exponent")
-# Distance of a start value from a bound, relative to the scale. The least-squares method needs a point inside.
+# Distance of a start value from a bound, relative to the scale. The least-squares method must start inside the bounds.
 INSIDE = 1e-3
-# Scales of values that may be 0, if the scene does not provide one: a typical size, dimensionless.
+# Typical sizes of a loss and of a friction coefficient, used if the scene contains 0. Both are dimensionless.
 LOSS_SCALE, FRICTION_SCALE = 0.5, 0.1
 
 
 @dataclass(frozen=True)
 class FreeValue:
-    """Free value, as an internal coordinate z: value = exp(z) if it is positive, otherwise value = scale * z.
+    """Free value of a scene, represented by an internal coordinate z.
+
+    A positive value equals exp(z). Any other value equals scale * z.
 
     Attributes:
         path: dotted path in the scene, `start`, or `offset` and the number of a column.
         name: text for tables.
         value: value at the start of the search.
-        low, high: bounds.
-        scale: typical size of a change; relative, and 1, for logarithmic coordinates.
+        low, high: bounds of the value.
+        scale: typical size of a change. For logarithmic coordinates it is relative and equals 1.
         logarithmic: True if the coordinate is the logarithm of the value.
         given: True if the user gave the bounds.
     """
@@ -59,28 +61,28 @@ class FreeValue:
         return math.log(value) if self.logarithmic else value / self.scale
 
     def outer(self, z: float) -> float:
-        """Return the value at the coordinate z, within the bounds."""
+        """Return the value at the coordinate z, limited by the bounds."""
         return float(np.clip(math.exp(z) if self.logarithmic else self.scale * z, self.low, self.high))
 
     def slope(self, value: float) -> float:
-        """Return the derivative of the value with respect to z."""
+        """Return the derivative of the value with respect to the coordinate z."""
         return value if self.logarithmic else self.scale
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Bounds of z."""
+        """Bounds of the coordinate z."""
         low = self.inner(self.low) if math.isfinite(self.low) and (self.low or not self.logarithmic) else -math.inf
         return low, self.inner(self.high) if math.isfinite(self.high) else math.inf
 
     def inside(self, z: float) -> float:
-        """Return z moved to a place strictly inside the bounds."""
+        """Return the coordinate z, moved strictly inside the bounds if necessary."""
         low, high = self.bounds
         room = min(INSIDE, 0.25 * (high - low))
         return float(np.clip(z, low + room, high - room))
 
 
 def scene_values(scene: Scene, free: Sequence[str], lane: int, duration: float) -> list[FreeValue]:
-    """Return the free values of the scene that `free` names, without `start` and `offset`.
+    """Return the free values of the scene that the texts `free` name. The texts `start` and `offset` are ignored.
 
     `lane` and `duration` [s] of the data give the typical size of velocities and gaps. Raise StudyError if a text does
     not name a number of the scene, or if its bounds are outside the physical limits.
@@ -100,7 +102,10 @@ def scene_values(scene: Scene, free: Sequence[str], lane: int, duration: float) 
 
 
 def parse(text: str) -> tuple[str, tuple[float, float] | None]:
-    """Return the dotted path and the bounds of a text such as ``lanes.0.mass[1]=0.1..0.5``. Raise StudyError."""
+    """Return the dotted path and the bounds of a text such as ``lanes.0.mass[1]=0.1..0.5``.
+
+    Raise StudyError if the text is not valid.
+    """
     path, equals, span = text.partition("=")
     path = re.sub(r"\[([^\]]*)\]", r".\1", path.strip()).strip(".")
     if not equals:
@@ -115,7 +120,7 @@ def parse(text: str) -> tuple[str, tuple[float, float] | None]:
 
 
 def _expanded(scene: Scene, path: str) -> Iterator[str]:
-    """Yield the paths that a path with the key `:` stands for."""
+    """Yield the path of each list item that a path with the key `:` stands for."""
     keys = path.split(".")
     if EACH not in keys:
         yield path
@@ -138,7 +143,7 @@ def _items(scene: Scene, keys: Sequence[str], path: str) -> tuple[Any, ...]:
 
 
 def _walk(scene: Scene, keys: Sequence[str], path: str) -> tuple[Any, FieldInfo | None]:
-    """Return the value at `keys`, and the field that contains it. Raise StudyError if it does not exist."""
+    """Return the value at the path `keys`, and the field that contains it. Raise StudyError if it does not exist."""
     item: Any = scene
     field, owner, name = None, None, ""
     for key in keys:
@@ -168,7 +173,7 @@ def _scene_value(scene: Scene, path: str, bounds: tuple[float, float] | None, la
     keys = path.split(".")
     item, field = _walk(scene, keys, path)
     if isinstance(item, tuple) and keys[-1] == "velocity" and isinstance(_walk(scene, keys[:-1], path)[0].beads, tuple):
-        item = item[0]  # one velocity of all strikers
+        item = item[0]  # The item is the common velocity of all strikers.
     if isinstance(item, tuple):
         raise StudyError(f"{path}: is a list: write {path}[0] for one item or {path}[*] for all")
     if isinstance(item, bool) or not isinstance(item, (int, float)):
@@ -193,7 +198,7 @@ def _scene_value(scene: Scene, path: str, bounds: tuple[float, float] | None, la
 
 
 def _limits(field: FieldInfo | None, name: str) -> tuple[float, float, bool]:
-    """Return the physical limits of a field, and True if its values are positive."""
+    """Return the physical limits of a field. The third result is True if its values must be positive."""
     least, most, positive = -math.inf, math.inf, False
     for one in _constraints(field):
         if isinstance(one, annotated_types.Gt):
@@ -208,7 +213,7 @@ def _limits(field: FieldInfo | None, name: str) -> tuple[float, float, bool]:
 
 
 def _constraints(annotation: Any) -> Iterator[Any]:
-    """Yield the limits in a field or in an annotation, also those of the items of a list."""
+    """Yield the limits in the annotation of a field. They include the limits of the items of a list."""
     if isinstance(annotation, FieldInfo):
         yield from annotation.metadata
         yield from _constraints(annotation.annotation)
@@ -235,13 +240,13 @@ def _scale(lane: Lane, name: str, value: float, duration: float) -> float:
 
 @dataclass(frozen=True)
 class FreeValues:
-    """Free values with the scene that contains them."""
+    """Free values together with the scene that contains them."""
 
     points: ScenePoints
     values: tuple[FreeValue, ...]
 
     def of_scene(self, values: Sequence[float]) -> Mapping[str, float]:
-        """Return the values of the scene by their paths."""
+        """Return the values that belong to the scene, by their paths."""
         pairs = zip(self.values, values, strict=True)
         return {one.path: value for one, value in pairs if one.path.split(" ")[0] not in (START, OFFSET)}
 
