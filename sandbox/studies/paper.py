@@ -100,7 +100,7 @@ _sampled = lru_cache(maxsize=KEPT_MOTIONS)(_solved)
 def _model(
     solver: MethodFineness, chain: Chain, velocity: tuple[float, ...], duration: float | None, samples: Samples
 ) -> ModeCoupling:
-    with warnings.catch_warnings():  # Warnings are suppressed for claims, because their error bars show the accuracy of a motion. Figures pass warnings on.
+    with warnings.catch_warnings():  # Claims have error bars instead of warnings. Figures pass warnings on.
         warnings.simplefilter("ignore", RuntimeWarning)
         return mode_coupling(
             chain, velocity, duration, solver.method, solver.step, _argument(samples), solver.tolerance
@@ -278,7 +278,7 @@ def crest(time: Array, curve: Array) -> tuple[float, float]:
 
 
 def by_load(cases: Sequence[Parameters], chain: Callable[[Parameters], Chain]) -> list[Parameters]:
-    """Return the cases whose chains have the largest load of an inner contact."""
+    """Return the cases with a parameter "load", the largest load of an inner contact of their chains."""
     return [{**case, "load": float(loads(chain(case))[1:].max())} for case in cases]
 
 

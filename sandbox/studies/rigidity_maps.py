@@ -1,6 +1,7 @@
-"""Maps of the rigidity of one on n: over (alpha, n) for the power law, over (speed, n) for the draft gear. Unit masses.
+"""Maps of the rigidity of a cluster of n beads that one bead hits. All beads have unit mass.
 
-Figure: rigidity in decades by colour, cluster sizes as rows, contours, and a line at the change of behaviour.
+The power-law map has the axes alpha and n. The draft-gear map has the axes speed and n. Colours show the rigidity on a
+logarithmic scale. Contours and a line mark the change of behaviour.
 """
 
 from __future__ import annotations
@@ -27,20 +28,21 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-ALPHAS = (1.0 / 100.0, 1.0)  # range of exponents
-SPEEDS = (0.5, 20.0)  # range of speeds of the striker, relative to the critical speed
-FEWEST_TARGETS = 2  # a single target is always rigid
-GEAR = draft_gear(1.0, 1.0)  # stiffness and precompression are the units, so only the speed varies
-# A map is read to a percent. Finer runs would resolve every closing of chattering chains without effect.
+ALPHAS = (1.0 / 100.0, 1.0)  # Smallest and largest exponent.
+SPEEDS = (0.5, 20.0)  # Smallest and largest speed of the striker, relative to the critical speed.
+FEWEST_TARGETS = 2  # Smallest number of targets. A single target is always rigid.
+GEAR = draft_gear(1.0, 1.0)  # Stiffness and precompression of this gear are the units, so only the speed varies.
+# Tolerance of the simulations. The colours of a map show differences of a percent. Smaller tolerances would resolve
+# every closing of chattering chains without any effect on the map.
 TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
 class RigidityMap:
-    """Points of a map.
+    """Definition of a map of points (abscissa, n).
 
     Attributes:
-        name: name of its files, and in CHAINS of its chain.
+        name: name of its files, and key of its chain in CHAINS.
         title: title above its panels.
         abscissa: name of the parameter along the abscissa.
         values: (X,) abscissae.
@@ -55,7 +57,7 @@ class RigidityMap:
 
 
 def rigidity_maps(columns: int, rows: int) -> tuple[RigidityMap, RigidityMap]:
-    """Return the two maps with `columns` abscissae and the `rows` cluster sizes from 2 on."""
+    """Return the two maps, with `columns` abscissae and `rows` cluster sizes that start at 2."""
     sizes = range(FEWEST_TARGETS, FEWEST_TARGETS + rows)
     alphas, speeds = np.geomspace(*ALPHAS, columns), np.geomspace(*SPEEDS, columns)
     return (
@@ -76,17 +78,18 @@ def _draft_gear_chain(speed: float, n: int) -> tuple[Chain, float]:
 CHAINS = {
     "power-law": _power_law_chain,
     "draft-gear": _draft_gear_chain,
-}  # and the striker's velocity, by (abscissa, n)
+}  # Each function returns the chain and the velocity of the striker for (abscissa, n).
 
 
 def compute_map(
     scanned: RigidityMap, kept: Path | None = None, progress: Progress | None = None, workers: int | None = None
 ) -> Table:
-    """Compute a row for each point: abscissa, n, rigidity at detachment and at the end (NaN if unknown), status,
-    warned.
+    """Compute one row for each point of a map.
 
-    The status is the status of the run (softcradle.physics.status.Status); from 2 on the run gave up and its end is
-    unknown. With `kept`, points of an earlier run are not computed again, see `map_points`.
+    The columns are the abscissa, n, the rigidity at detachment, the rigidity at the end, the status and a mark for
+    warnings. A rigidity is NaN if it is unknown. The status is that of the simulation
+    (softcradle.physics.status.Status). If it is 2 or more, the simulation gave up and its end is unknown. Points that
+    an earlier call has stored in `kept` are not computed again; see `map_points`.
     """
     points = grid({"n": list(scanned.sizes), "abscissa": scanned.values.tolist()})
     rows = map_points(partial(point_numbers, scanned.name, TOLERANCE), points, kept, progress, workers)
@@ -98,7 +101,7 @@ def compute_map(
 
 
 def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[str, float]:
-    """Compute one point of the map with that name."""
+    """Compute one point of the map called `name`."""
     chain, speed = CHAINS[name](abscissa, n)
     run = Run(LaneStart(chain, [speed, *[0.0] * n], {"tolerance": tolerance}))
     found = {"rigidity_at_detachment": run.spread(run.detached), "rigidity_at_the_end": run.spread(run.motion)}
@@ -109,28 +112,30 @@ def point_numbers(name: str, tolerance: float, abscissa: float, n: int) -> dict[
 
 
 def _severity(status: Status) -> tuple[bool, int]:
-    """Return a sort key of statuses in which runs that gave up (hatched cells) come last."""
+    """Return a sort key of a status. The statuses of simulations that gave up come last; their cells are hatched."""
     return status.gave_up, status
 
 
 COLUMNS = ("rigidity at detachment", "rigidity at the end")
 TITLES = ("(a) when the striker leaves", "(b) at the end")
-SMALLEST_SHOWN = 100.0 * TOLERANCE  # smaller spreads cannot be distinguished from 0 at the tolerance of the runs
-LARGEST_SHOWN = 10.0  # larger spreads have the same colour
+# Smallest spread on the colour scale. With this tolerance, smaller spreads cannot be distinguished from 0.
+SMALLEST_SHOWN = 100.0 * TOLERANCE
+LARGEST_SHOWN = 10.0  # Larger spreads have the same colour.
 HATCH: dict[str, Any] = {
     "hatch": "/////",
     "facecolor": "0.85",
     "edgecolor": "black",
     "linewidth": 0.0,
-}  # cells whose run gave up
-REASONS = {Status.OUT_OF_STEPS: "took too many steps", Status.FAILED: "could not go on"}  # reasons of runs that gave up
-# rigidities with smooth contours, for each abscissa
+}  # Style of the cells whose simulation gave up.
+# Reasons for which a simulation gave up.
+REASONS = {Status.OUT_OF_STEPS: "took too many steps", Status.FAILED: "could not go on"}
+# Values of the rigidity that have smooth contours, for each abscissa.
 CONTOURS = {"alpha": (1e-1, 1.0), "speed / critical speed": (1.0,)}
-AXIS_LABELS = {"alpha": r"$\alpha$", "speed / critical speed": "speed / critical speed"}  # for each abscissa
+AXIS_LABELS = {"alpha": r"$\alpha$", "speed / critical speed": "speed / critical speed"}  # Label of each abscissa.
 
 
 def draw_map(scanned: RigidityMap, table: Table) -> Figure:
-    """Draw the rigidity at detachment and at the end side by side, with one scale of colours."""
+    """Draw the rigidity at detachment and at the end in two panels that share one colour scale."""
     figure, row = new_figure(PAGE_WIDTH, 3.1, 1, 2, sharex=True, sharey=True)
     shape = len(scanned.sizes), len(scanned.values)
     mesh: Any = None
@@ -172,7 +177,7 @@ def _draw_panel(axes: Axes, scanned: RigidityMap, values: Array) -> Any:
 
 
 def _hatch(axes: Axes, scanned: RigidityMap, unknown: NDArray[np.bool_]) -> None:
-    """Hatch the cells of runs that gave up, so that they look neither rigid nor soft."""
+    """Hatch the cells of simulations that gave up, to distinguish them from rigid and soft cells."""
     from matplotlib.patches import Rectangle
 
     edges = _edges(np.log(scanned.values))
@@ -182,13 +187,13 @@ def _hatch(axes: Axes, scanned: RigidityMap, unknown: NDArray[np.bool_]) -> None
 
 
 def _reasons(status: Array, unknown: NDArray[np.bool_]) -> str:
-    """Return why the runs of the hatched cells gave up, and how many for each reason."""
+    """Return a text with the reasons for which simulations of hatched cells gave up, and their counts."""
     counts = {reason: int((unknown & (status == code)).sum()) for code, reason in REASONS.items()}
     return ", ".join(f"{count} {reason}" for reason, count in counts.items() if count)
 
 
 def _edges(logarithms: Array) -> Array:
-    """Return the (X+1,) borders of the cells around values with these (X,) uniform logarithms."""
+    """Return the (X+1,) borders of the cells around (X,) values whose logarithms are uniform."""
     half = 0.5 * (logarithms[1] - logarithms[0])
     edges: Array = np.exp(np.append(logarithms - half, logarithms[-1] + half))
     return edges
@@ -205,7 +210,7 @@ def _draw_contours(axes: Axes, scanned: RigidityMap, values: Array) -> None:
     )  # fmt: skip
     rows = [
         scanned.sizes[len(scanned.sizes) // part] for part in (4, 2)
-    ]  # spreads the labels, so that no two lines are close
+    ]  # The labels of two contours are in different rows, so that they do not overlap.
     levels = zip(reversed(lines.allsegs), rows, strict=False)
     places = [place for segments, row in levels for place in _nearest(segments, row)]
     labels = axes.clabel(
@@ -216,8 +221,9 @@ def _draw_contours(axes: Axes, scanned: RigidityMap, values: Array) -> None:
 
 
 def _nearest(segments: Sequence[Array], row: float) -> list[Array]:
-    """Return the point nearest to a row on the longest of the `segments` (K, 2) of a contour; an empty list without a
-    segment.
+    """Return the point of a contour that is nearest to a row of the map.
+
+    The point lies on the longest of the `segments` (K, 2). The list is empty if there is no segment.
     """
     longest = max(segments, key=len, default=np.empty((0, 2)))
     return [longest[int(np.argmin(np.abs(longest[:, 1] - row)))]] if len(longest) else []
@@ -231,7 +237,7 @@ def _draw_guide(
     alignment: Literal["left", "right"],
     rotation: float = 0.0,
 ) -> None:
-    """Draw a dashed line through `values` (Y,) at all sizes, with a text near its top."""
+    """Draw a dashed line through `values` (Y,) at all sizes, with a text near the top of the line."""
     rows = np.array(sizes, dtype=np.float64)
     ends = np.concatenate(([rows[0] - 0.5], rows, [rows[-1] + 0.5]))
     line = np.interp(ends, rows, values)

@@ -1,4 +1,4 @@
-"""Comparison with numbers known from other sources: the form of a row, the list of all rows, and their check."""
+"""Comparison of softcradle with numbers from other sources. This module lists all numbers and checks them."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -27,7 +27,7 @@ from softcradle.physics.chain import GRAVITY
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.paper import crest
 
-ALLOWED = 1e-7  # Allowed difference of the runs of this file. Their tolerance is a hundredth of it.
+ALLOWED = 1e-7  # Allowed difference for the simulations of this file. Their tolerance is a hundredth of it.
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,10 @@ class KnownNumber:
         name: description with unit.
         value: the number.
         source: origin of the number.
-        find: function that computes it with softcradle.
-        allowed: largest difference (the last digit given, or the tolerance), relative to `value` unless that is 0.
+        find: function that computes the number with softcradle.
+        allowed: largest allowed difference. It is the last given digit or the tolerance, relative to `value` unless
+            that
+            is 0.
     """
 
     name: str
@@ -51,7 +53,9 @@ class KnownNumber:
 
 @dataclass(frozen=True)
 class Checked:
-    """A known number, the result of softcradle, and the difference (relative, or absolute if the number is 0)."""
+    """A known number, the result of softcradle and their difference. The difference is absolute if the known number is
+    0.
+    """
 
     known: KnownNumber
     found: float
@@ -59,12 +63,12 @@ class Checked:
 
     @property
     def agrees(self) -> bool:
-        """Return True if the difference is within the allowed one."""
+        """Return True if the difference is within its allowed limit."""
         return self.error <= self.known.allowed
 
 
 def check(known: KnownNumber) -> Checked:
-    """Compute the number and compare."""
+    """Compute a number with softcradle, and compare it with the known number."""
     found = known.find()
     return Checked(known, found, abs(found - known.value) / (abs(known.value) or 1.0))
 
@@ -72,10 +76,10 @@ def check(known: KnownNumber) -> Checked:
 Array = NDArray[np.float64]
 TOLERANCE = 1e-9
 QUADRUPLE = "Taylor series of order 26 to 36 in quadruple precision"
-GEAR = draft_gear(770.0, 0.0177)  # the paper's gear, with its mass
+GEAR = draft_gear(770.0, 0.0177)  # Draft gear of the paper. GEAR_MASS is its mass.
 GEAR_MASS = 0.396
 TAPER = 0.95
-FINAL = {  # velocity of the striker after a collision at 1 m/s, unit masses and strengths
+FINAL = {  # Velocity of the striker after a collision at 1 m/s, with unit masses and strengths.
     (4, 0.1): -0.56758562476447303918,
     (5, 0.1): -0.59285240054465332785,
     (4, 1 / 14): -0.59754443842240887993,
@@ -85,8 +89,10 @@ FINAL = {  # velocity of the striker after a collision at 1 m/s, unit masses and
 
 
 def _closed_forms() -> Iterator[KnownNumber]:
-    """Yield velocities of the striker and of the last of two on two, contact times, critical speeds, loss, and balls
-    with gaps.
+    """Yield numbers that are known from closed formulas.
+
+    They include velocities of the striker and of the last of two on two, contact times, critical speeds, loss, and
+    balls with gaps.
     """
     for (n, exponent), value in FINAL.items():
         name = f"velocity of the striker, one on {n}, alpha {exponent:.3g} [m/s]"
@@ -109,7 +115,8 @@ def _closed_forms() -> Iterator[KnownNumber]:
         yield KnownNumber(name, known, source, partial(_measured_critical_speed, n), 1e-4)
     yield KnownNumber("restitution at loss 0.36", 0.8, "sqrt(1 - loss)", _restitution)
     yield KnownNumber("way of a bead on a bed, friction 0.3 [m]", 1.0 / (0.6 * GRAVITY), "v**2 / (2 mu g)", _way)
-    tapered = tuple(TAPER ** (3 * k) for k in range(10))  # each diameter is 0.95 of the previous one
+    # Masses of balls whose diameter is 0.95 of the previous diameter.
+    tapered = tuple(TAPER ** (3 * k) for k in range(10))
     passed = math.prod(2.0 * m / (m + after) for m, after in pairwise(tapered))
     known_from = "elastic collisions of two balls, 2 m / (m + M) each"
     for name, known, mass in (
@@ -121,12 +128,12 @@ def _closed_forms() -> Iterator[KnownNumber]:
 
 
 def _end(chain: Chain, start: ArrayLike, duration: float | None = None) -> Trajectory:
-    """Run from `start` and keep only the final state."""
+    """Return the simulation from the velocities `start`, which contains only the final state."""
     return simulate(chain, np.asarray(start), duration, samples=2, tolerance=TOLERANCE)
 
 
 def _final(chain: Chain, bead: int, strikers: int = 1) -> float:
-    """Return the velocity of a bead after the first ones, at 1 m/s, have hit the others."""
+    """Return the final velocity of a bead after the first beads, at 1 m/s, have hit the other beads."""
     return float(_end(chain, [1.0] * strikers + [0.0] * (chain.contacts + 1 - strikers)).final_velocity[bead])
 
 
@@ -136,7 +143,7 @@ def _contact_time(law: Contact) -> float:
 
 
 def _measured_critical_speed(n: int) -> float:
-    """Return the speed at which an inner gear first yields, by bisection."""
+    """Return the speed at which an inner draft gear first yields, found by bisection."""
     chain = one_on(n, GEAR, GEAR_MASS)
     low, high = 0.1, 3.0
     while high - low > 1e-5 * high:
@@ -156,7 +163,8 @@ def _way() -> float:
     return float(_end(chain, [1.0, 0.0], 1.0).position[-1, 0])
 
 
-RESTITUTION = 0.8  # with gaps the striker then follows, while touching balls throw it back
+# Coefficient of restitution. With gaps the striker then follows the other balls. Touching balls throw it back.
+RESTITUTION = 0.8
 BALLS = ("striker", "middle", "last")
 
 
@@ -179,20 +187,20 @@ def _three_balls() -> Iterator[KnownNumber]:
 
 
 def magic_mass(n: int) -> float:
-    """Return the mass of a ball that transfers all momentum from a ball of mass 1 to another, in n - 1 collisions; n is
-    odd.
+    """Return the mass of a middle ball that transfers all momentum from one ball of mass 1 to another.
 
-    In coordinates of equal inertia the two gaps are the sides of a wedge of angle pi / n, whose cosine is 1 / (1 +
-    mass).
+    It does so in n - 1 collisions, where n is odd. In coordinates of equal inertia, the two gaps are the sides of a
+    wedge of angle pi / n. The cosine of this angle is 1 / (1 + mass).
     """
     return 1.0 / math.cos(math.pi / n) - 1.0
 
 
 def touching_springs() -> tuple[float, float, float]:
-    """Return the velocities after one at 1 m/s has hit two, for unit masses and springs.
+    """Return the velocities after one bead at 1 m/s has hit two, for unit masses and springs.
 
-    The modes have frequencies 1 and sqrt(3), then sqrt(2). The overlaps are ``(sin t +- sin(sqrt(3) t) / sqrt(3)) /
-    2``. The first contact opens first, and the energy left in the second drives its two balls apart.
+    The modes have the frequencies 1 and sqrt(3), and after the first opening sqrt(2). The overlaps are ``(sin t +-
+    sin(sqrt(3) t) / sqrt(3)) / 2``. The first contact opens first. The energy left in the second contact then drives
+    its two balls apart.
     """
     root3 = math.sqrt(3.0)
     opened = brentq(lambda t: math.sin(t) + math.sin(root3 * t) / root3, math.pi / root3, math.pi, xtol=1e-15)
@@ -204,7 +212,10 @@ def touching_springs() -> tuple[float, float, float]:
 
 
 def with_gaps(restitution: float) -> tuple[float, float, float]:
-    """Return the velocities of equal balls after one at 1 m/s has hit two with gaps: pairs collide until none approach."""
+    """Return the velocities of equal balls after one ball at 1 m/s has hit two with gaps.
+
+    The balls collide in pairs until no two balls approach each other.
+    """
     velocity = [1.0, 0.0, 0.0]
     while faster := [i for i in (0, 1) if velocity[i] > velocity[i + 1]]:
         i = faster[0]
@@ -214,7 +225,7 @@ def with_gaps(restitution: float) -> tuple[float, float, float]:
 
 
 def _collisions(chain: Chain) -> float:
-    """Return how often contacts close after bead 0, at 1 m/s, has hit the others."""
+    """Return how often contacts close after bead 0, at 1 m/s, has hit the other beads."""
     return float(sum(map(len, _end(chain, [1.0] + [0.0] * chain.contacts).contact_intervals)))
 
 
@@ -246,7 +257,7 @@ def _mirrored() -> float:
 
 
 def _rescaled() -> float:
-    """Compute with other units of length, time and mass; forces scale as M L / T**2."""
+    """Compute a collision in other units of length, time and mass. Forces scale as M L / T**2."""
     length, time, mass = 1e-3, 1e-4, 7.0
     force = mass * length / time**2
     laws = [Contact(c.preload * force, c.stiffness * force / length**c.exponent, c.exponent) for c in ROW_LAWS]
@@ -256,17 +267,18 @@ def _rescaled() -> float:
 
 
 def _reversed() -> float:
-    """Run the collision backwards from its end: the same positions with reversed velocities."""
+    """Simulate a collision backwards from its end. The positions must be the same, with reversed velocities."""
     forward = _end(Chain(ROW_MASS, hertz(5.0)), ROW_START)
     back = Chain(ROW_MASS, hertz(5.0), gap=-forward.overlap[-1])
     return _apart(-_end(back, -forward.final_velocity).final_velocity, np.array(ROW_START))
 
 
-LENGTH = 60  # beads behind the striker
-FIRST, LAST = 20, 45  # contacts between which the pulse has its final shape
-DEPTH = 500  # beads of a column
-WEAK = 1e-4  # [m/s] of its uppermost bead, small compared with its velocity of sound
-# Samples of a run. The largest overlap, from a parabola through three of them, is accurate to a few 1e-6.
+LENGTH = 60  # Number of beads behind the striker.
+FIRST, LAST = 20, 45  # Contacts between which the pulse has its final shape.
+DEPTH = 500  # Number of beads of the column.
+WEAK = 1e-4  # Speed of the uppermost bead [m/s]. It is small compared with the velocity of sound at this bead.
+# Number of samples of a simulation. The largest overlap is computed from a parabola through three samples. Its error is
+# a few 1e-6.
 SAMPLES = 1201
 SOURCE = "long chains of unit spheres, K = 1, struck by one at 1 m/s"
 
@@ -292,13 +304,15 @@ def _struck(strikers: int) -> Trajectory:
 
 
 def _weighted() -> float:
-    """Return the slope of the logarithm of each bead's peak velocity against its depth, in the lower half of a column.
+    """Return the slope of the logarithm of the peak velocity of a bead against the logarithm of its depth in a column.
 
-    Unit masses under unit gravity on unit contacts: contact i carries i + 1, so its overlap is that to the power 2/3.
+    Only the lower half of the column counts. The column has unit masses, unit gravity and unit contacts. Contact i
+    carries i + 1 beads, so its overlap is i + 1 to the power 2/3.
     """
     carried = np.arange(1.0, DEPTH + 1.0)
     chain = Chain([1.0] * DEPTH + [math.inf], hertz(1.0), gap=-(carried ** (2.0 / 3.0)), drive=[1.0] * DEPTH + [0.0])
-    passed = 0.97 * float((1.0 / np.sqrt(1.5 * carried ** (1.0 / 3.0))).sum())  # before it returns from the ground
+    # At this time, the pulse has not yet returned from the ground.
+    passed = 0.97 * float((1.0 / np.sqrt(1.5 * carried ** (1.0 / 3.0))).sum())
     velocity = [WEAK] + [0.0] * DEPTH
     found = simulate(chain, velocity, passed, "verlet", 0.03, samples=round(passed / 0.1))
     peak, lower = found.velocity.max(axis=0), slice(DEPTH // 2, round(0.85 * DEPTH))
@@ -306,7 +320,7 @@ def _weighted() -> float:
 
 
 def _peak(found: Trajectory, contact: int) -> tuple[float, float]:
-    """Return time and overlap of the largest overlap of a contact."""
+    """Return the time and the size of the largest overlap of a contact."""
     return crest(found.time, found.overlap[:, contact])
 
 
@@ -320,8 +334,9 @@ def _overlap() -> float:
 
 
 def _width() -> float:
-    """Return the width of the pulse, from the second moment of velocities along the chain, as if they were cos**4
-    (Nesterenko).
+    """Return the width of the pulse, computed from the second moment of velocities along the chain.
+
+    The velocities are assumed to have the shape cos**4 (Nesterenko).
     """
     found = _struck(1)
     k = int(np.argmax(found.overlap[:, LAST]))
@@ -333,28 +348,32 @@ def _width() -> float:
 
 
 _X = np.linspace(-0.5, 0.5, 20001)
-_COSINE_SPREAD = float(np.sqrt((np.cos(np.pi * _X) ** 4 * _X**2).sum() / (np.cos(np.pi * _X) ** 4).sum()))  # of width 1
+# Spread of the shape cos**4 of width 1.
+_COSINE_SPREAD = float(np.sqrt((np.cos(np.pi * _X) ** 4 * _X**2).sum() / (np.cos(np.pi * _X) ** 4).sum()))
 
 
 def _pulses(strikers: int) -> float:
-    """Return the number of force maxima above a twentieth of the largest, in a contact far from the strikers."""
+    """Return the number of force maxima in a contact far from the strikers.
+
+    Maxima below a twentieth of the largest one are ignored.
+    """
     force = _struck(strikers).force[:, LENGTH // 2 + strikers]
     inner = force[1:-1]
     tops = (inner > force[:-2]) & (inner >= force[2:]) & (inner > 0.05 * force.max())
     return float(tops.sum())
 
 
-STRING = 0.1  # length of the strings [m]
-BLOW = 0.3  # speed of the first ball at the lowest place [m/s]
+STRING = 0.1  # Length of the strings [m].
+BLOW = 0.3  # Speed of the first ball at the lowest place [m/s].
 OMEGA = math.sqrt(GRAVITY / STRING)
 PERIOD = 2.0 * math.pi / OMEGA
 ROCKING = "all balls swing together at last: Hutzler et al., Am. J. Phys. 72, 1508 (2004)"
-SWINGS = 5.37  # time [periods] of the closed form of two balls; no contact is closed then
-BALL_MASS, BALL_STIFFNESS = 0.1, 3e5  # balls whose contacts last about a hundredth of a swing
+SWINGS = 5.37  # Time of the closed formula for two balls, in periods. No contact is closed at this time.
+BALL_MASS, BALL_STIFFNESS = 0.1, 3e5  # Mass and stiffness of balls whose contacts last about a hundredth of a swing.
 
 
 def _cradle() -> Iterator[KnownNumber]:
-    """Yield periods, exchange of momentum, energy and the last motion of balls on strings."""
+    """Yield numbers for balls on strings: periods, exchange of momentum, energy, and the last motion."""
     yield KnownNumber("swing of a ball on a string [s]", PERIOD, "2 pi sqrt(l/g), small angles", _swing)
     chain = Chain([1.0, 1.0], hooke(1e6), strings=STRING)
     sines = "half sines of the frequencies sqrt(2 k/m + g/l) and sqrt(g/l)"
@@ -367,9 +386,10 @@ def _cradle() -> Iterator[KnownNumber]:
 
 
 def two_balls(stiffness: float, time: float) -> tuple[float, float]:
-    """Return the velocities [m/s] of two balls of 1 kg with a Hooke contact, the first of which starts with BLOW, at `time` [s].
+    """Return the velocities [m/s] of two balls on strings at `time` [s].
 
-    The overlap is half a sine while the contact is closed, and half a sine while it is open. The centre of mass swings freely.
+    The balls have a mass of 1 kg and a Hooke contact. The first ball starts with the speed BLOW. The overlap is half a
+    sine while the contact is closed, and half a sine while it is open. The centre of mass swings freely.
     """
     inside = math.sqrt(2.0 * stiffness + OMEGA**2)
     left = time % (math.pi / inside + math.pi / OMEGA)
@@ -391,7 +411,7 @@ def _swung(chain: Chain, ball: int) -> float:
 
 
 def _common_swing() -> float:
-    """Return the share of the energy that is left after 60 swings of balls with loss."""
+    """Return the fraction of the energy that is left after 60 swings of balls with loss."""
     chain = Chain([BALL_MASS] * 5, Contact(0.0, BALL_STIFFNESS, 1.5, loss=0.1), strings=STRING)
     found = solve(chain, [-BLOW, 0.0, 0.0, 0.0, 0.0], 60 * PERIOD, "conserving", PERIOD / 2000, 2)
     return float((found.kinetic_energy + found.string_energy)[-1] / found.kinetic_energy[0])
@@ -404,12 +424,12 @@ def _energy_change() -> float:
 
 
 def known_numbers() -> list[KnownNumber]:
-    """Return every row, in the order of the table."""
+    """Return all known numbers in the order of the table."""
     return [*_closed_forms(), *_three_balls(), *_pulse_numbers(), *_cradle(), *_symmetries()]
 
 
 def verified(report: Callable[[Checked], None] = lambda _: None) -> list[Checked]:
-    """Compute every row; call `report` after each."""
+    """Compute all known numbers, and call `report` after each."""
     found = []
     for known in known_numbers():
         found.append(check(known))

@@ -49,8 +49,7 @@ DIGITS_OF_ERROR = 4
 IMPOSSIBLE = 1e6
 # Smallest number of data points for each free value.
 FEWEST_DATA = 2
-# A free offset is suggested if the first data point differs from the fit by more than this fraction of the data's
-# range.
+# A free offset is suggested if the mean residual of a column exceeds this fraction of the range of its data.
 OFF = 0.2
 
 

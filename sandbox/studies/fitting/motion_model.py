@@ -63,7 +63,7 @@ class MotionModel:
 
     @property
     def tolerance(self) -> float:
-        """Tolerance of the simulations. It is the default for methods with fixed steps."""
+        """Tolerance of the simulations. It is TOLERANCE if the scene does not set a tolerance."""
         return float(self.settings.get("tolerance", TOLERANCE))
 
     def start_time(self, values: Sequence[float]) -> float:

@@ -1,8 +1,6 @@
-"""Work-precision chart: cases with known results, our methods and other integrators, and the time that each needs for
-an error.
+"""Work-precision chart: the computing time that our methods and other integrators need to reach an error.
 
 cases         ->  the collisions, each with its true result
-measurement   ->  our methods and, through the same interface, other integrators (peers): error and time of every
-  setting
-table, chart  ->  the points as rows and as a picture
+measurement   ->  error and time of each setting, for our methods and for other integrators (peers)
+table, chart  ->  the measured points as rows and as a picture
 """

@@ -1,4 +1,4 @@
-"""Collisions of the work-precision chart, each with its true result. Any scene can be a case."""
+"""Collisions of the work-precision chart, each with its true result. Any scene can be used as a case."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,22 +13,26 @@ from softcradle.scenes import Scene
 
 Array = NDArray[np.float64]
 
-# errors of final velocities, relative to the closing speed, at which methods are compared
+# Error levels at which methods are compared. The errors are those of final velocities, relative to the closing speed.
 ERROR_LEVELS = (1e-3, 1e-6, 1e-9)
-REFERENCE_TOLERANCE = 1e-12  # Tolerance of the method scipy, whose result is the truth if it reaches the end.
-REFERENCE_STEPS = 100_000  # Most steps of the method scipy, half a minute.
-TRUTH_TOLERANCE = 1e-12  # Tolerance of radau, whose result is the truth if nothing better is known.
-CHECK_TOLERANCE = 3e-12  # Tolerance of accurate, whose difference from the truth is its uncertainty.
-PEER_MARGIN = 1.001  # Other integrators cannot detect the end of a collision, so they run this much longer.
-SAMPLE_COUNT = 64  # times during the first closing of the struck contact at which forces and overlaps are compared
+REFERENCE_TOLERANCE = 1e-12  # Tolerance of the method scipy. Its result is the true result if it reaches the end.
+REFERENCE_STEPS = 100_000  # Largest number of steps of the method scipy. They take half a minute.
+TRUTH_TOLERANCE = 1e-12  # Tolerance of radau. Its result is the true result if no better result is known.
+# Tolerance of accurate. Its difference from the true result is the uncertainty of the true result.
+CHECK_TOLERANCE = 3e-12
+# Other integrators cannot detect the end of a collision. Their duration is the true duration times this factor.
+PEER_MARGIN = 1.001
+# Number of sample times at which forces and overlaps are compared, in the first closing of the struck contact.
+SAMPLE_COUNT = 64
 
-# Final velocities of one on 4, alpha = 1/10, by Taylor series in quadruple precision; see tests/helpers/data/README.md.
+# Final velocities of one on 4 with alpha = 1/10. They were computed with Taylor series in quadruple precision; see
+# tests/helpers/data/README.md.
 ONE_ON_FOUR = (
     -0.56758562476547303918, 0.17392146672861098151, 0.4540787148354326006, 0.46978361268000769326,
     0.4698018305214217638,
 )  # fmt: skip
-# Final velocities of one on 10, alpha = 1/30, which SciPy cannot solve, by collocation in extended precision:
-# `reference_end` of benchmarks/scan.
+# Final velocities of one on 10 with alpha = 1/30, which SciPy cannot solve. They were computed by collocation in
+# extended precision with `reference_end` of benchmarks/scan.
 ONE_ON_TEN = (
     -0.7832546035595891, -0.06730576344112452, 0.1695828240424023, 0.2067366104888179, 0.21042330395979278,
     0.21063308123078361, 0.21063690197294313, 0.21063691127543868, 0.21063691134291795, 0.2106369113437304,
@@ -39,7 +43,7 @@ RIGID_SOURCE = "two rigid bodies, exact"
 
 @dataclass(frozen=True)
 class Start:
-    """A start of a case: the chain `early` [s] before the case's own start, in free flight until then."""
+    """Initial state of a case that begins `early` [s] before the case itself. The beads move freely in this time."""
 
     chain: Chain
     velocity: Array
@@ -52,13 +56,12 @@ class ChartCase:
 
     Attributes:
         name, label, chain, velocity: the collision; the name is for files and commands, the label for people.
-        duration: None until the collision is over, else [s]; set if an external force acts, which goes on acting.
+        duration: [s] if an external force acts, because it continues after the collision; None otherwise.
         end: end of the collision [s].
         truth: (n+1,) final velocities [m/s].
-        uncertainty: difference of two independent results, relative to the closing speed; 0 if the truth is known
-            better.
+        uncertainty: difference of two independent results, relative to the closing speed; 0 if the truth is more exact.
         source: source of the truth.
-        aims: goals for the time of `accurate` [ms], by error level.
+        aims: goals for the computing time of `accurate` [ms], by error level.
     """
 
     name: str
@@ -74,16 +77,18 @@ class ChartCase:
 
     @property
     def run_duration(self) -> float:
-        """Duration [s] of a run that cannot detect the end of the collision."""
+        """Duration [s] of a simulation that cannot detect the end of the collision."""
         return self.end * PEER_MARGIN if self.duration is None else self.duration
 
     @cached_property
     def closing_speed(self) -> float:
-        """Closing speed [m/s]."""
+        """Speed [m/s] at which the colliding beads approach each other."""
         return float(np.ptp(self.velocity)) or 1.0
 
     def error(self, velocity: Array) -> float:
-        """Return the largest error of any final velocity, relative to the closing speed; infinite for NaN."""
+        """Return the largest error of a final velocity, relative to the closing speed. It is infinite if a velocity is
+        NaN.
+        """
         error = float(np.abs(velocity - self.truth).max() / self.closing_speed)
         return error if np.isfinite(error) else np.inf
 
@@ -94,14 +99,17 @@ class ChartCase:
 
     @property
     def yielding(self) -> NDArray[np.bool_]:
-        """(SAMPLE_COUNT, n) True if the contact is pressed in or pulled out at that time."""
+        """(SAMPLE_COUNT, n) True if the contact is compressed or extended at that sample time."""
         overlap = self.sampled_truth.overlap
         found: NDArray[np.bool_] = (overlap > 0.0) | (overlap < 0.0) & (self.sampled_truth.force < 0.0)
         return found
 
     @cached_property
     def sample_times(self) -> Array:
-        """(SAMPLE_COUNT,) times [s]: midpoints of equal parts of the first closing of the first contact to be hit."""
+        """(SAMPLE_COUNT,) sample times [s] in the first closing of the first contact that is hit.
+
+        The closing is divided into equal parts. The sample times are the midpoints of these parts.
+        """
         found = self._solve_by_radau(1e-8, 2).contact_intervals
         closings = [intervals[0] for intervals in found if intervals]
         first = min((closed for closed, _ in closings), default=0.0)
@@ -114,10 +122,10 @@ class ChartCase:
         return solve(self.chain, self.velocity, self.run_duration, "radau", None, samples, tolerance)
 
     def starts(self, lead_times: Sequence[float]) -> list[Start]:
-        """Return the case with its start moved earlier by each of `lead_times` [s]; all end the same.
+        """Return copies of the case that start earlier by each of `lead_times` [s]. All have the same end.
 
-        Return only the case itself without free flight, that is, if an external force acts or if contacts would have
-        pushed or pulled earlier.
+        The case must begin with free flight. If it does not, return only the case itself. This happens if an external
+        force acts, or if a contact would have pushed or pulled earlier.
         """
         rate, gap = -np.diff(self.velocity), np.array(self.chain.gap)
         gaps = gap + np.outer(lead_times, rate)
@@ -134,14 +142,15 @@ class ChartCase:
 
 @dataclass(frozen=True)
 class CaseDefinition:
-    """A case before its truth is computed.
+    """Definition of a case, before its true result is computed.
 
     Attributes:
         name, label: as in ChartCase.
-        make_chain: returns the chain.
+        make_chain: function that returns the chain.
         duration: as in ChartCase.
-        truth: returns (n+1,) final velocities if they are known better than computed here; `source` is their source.
-        velocity: None: bead 0 strikes at unit speed.
+        truth: function that returns (n+1,) final velocities, if a better result than ours is known; `source` is its
+            source.
+        velocity: initial velocities; None means that bead 0 strikes at unit speed.
         aims: as in ChartCase.
     """
 
@@ -151,12 +160,15 @@ class CaseDefinition:
     duration: float | None = None
     truth: Callable[[], Array] | None = None
     source: str = ""
-    uncertainty: float = 0.0  # error of the truth [m/s]
+    uncertainty: float = 0.0  # Error of the true velocities [m/s].
     velocity: Array | None = None
     aims: dict[float, float] = field(default_factory=dict)
 
     def solve(self, by_reference: bool = True) -> ChartCase:
-        """Return the case with its truth, computed or looked up; without `by_reference`, two of our methods provide it."""
+        """Return the case with its true result, which is computed or looked up.
+
+        If `by_reference` is False, the true result comes from two of our methods.
+        """
         chain = self.make_chain()
         velocity = np.eye(1, chain.contacts + 1)[0] if self.velocity is None else self.velocity
         finest = solve(chain, velocity, self.duration, "radau", samples=2, tolerance=TRUTH_TOLERANCE)
@@ -170,8 +182,9 @@ class CaseDefinition:
     def _truth(
         self, chain: Chain, velocity: Array, duration: float | None, finest: Array, by_reference: bool
     ) -> tuple[Array, float, str]:
-        """Return the truth, its uncertainty relative to the closing speed, and its source; `finest` is the finest run
-        of radau.
+        """Return the true result, its uncertainty relative to the closing speed, and its source.
+
+        The argument `finest` is the simulation by radau with the smallest tolerance.
         """
         if self.truth is not None:
             return self.truth(), self.uncertainty, self.source
@@ -189,12 +202,12 @@ class CaseDefinition:
 
 
 def _acts_from_outside(chain: Chain) -> bool:
-    """Return True if a drive, a force, a brake, a bed or strings act on beads, also in free flight."""
+    """Return True if an external force, a brake, a bed or strings act on beads, also in free flight."""
     return chain.driven or chain.takes_momentum
 
 
 def definitions_of(scene: Scene) -> list[CaseDefinition]:
-    """Return one definition for each lane of `scene`."""
+    """Return one case definition for each lane of `scene`."""
     if len(scene.lanes) == 1:
         labels = [scene.title]
     else:
@@ -206,8 +219,12 @@ def definitions_of(scene: Scene) -> list[CaseDefinition]:
 
 
 def _draft_gears(ratio: float) -> Chain:
-    """Return one on ten draft gears with a precompression such that unit speed is `ratio` times the critical speed."""
-    critical = critical_speed(draft_gear(1.0, 1.0), np.ones(11), 1)  # proportional to the precompression
+    """Return a chain in which one bead hits ten, with draft gears.
+
+    The precompression makes unit speed equal to `ratio` times the critical speed.
+    """
+    # The critical speed is proportional to the precompression.
+    critical = critical_speed(draft_gear(1.0, 1.0), np.ones(11), 1)
     return one_on(10, draft_gear(1.0, 1.0 / (ratio * critical)))
 
 

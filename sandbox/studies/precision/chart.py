@@ -1,5 +1,7 @@
-"""Work-precision chart: error against wall time and force evaluations, a row of panels for each case, every curve
-labelled.
+"""Drawing of the work-precision chart.
+
+The error is plotted against wall time and against force evaluations. Each case has a row of panels, and each curve has
+a label.
 """
 
 from __future__ import annotations
@@ -26,13 +28,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH = 13.0  # [inches]
-ROW_HEIGHT = 4.3  # [inches] of a case
-SMALLEST_ERROR = 1e-12  # at the lower edge of a panel
-EXACT = 1.3 * SMALLEST_ERROR  # points with smaller errors are drawn here
-ROUND_OFF = 1e-14  # uncertainty of a truth that is known exactly, for orders
-LABEL_HEIGHT = 0.042  # as a fraction of a panel's height
-LABEL_COLUMN = 1.06  # left end of the labels, as a fraction of a panel's width
+WIDTH = 13.0  # Width of the chart [inches].
+ROW_HEIGHT = 4.3  # Height of the row of panels of one case [inches].
+SMALLEST_ERROR = 1e-12  # Error at the lower edge of a panel.
+EXACT = 1.3 * SMALLEST_ERROR  # Points with an error below SMALLEST_ERROR are drawn at this error.
+ROUND_OFF = 1e-14  # Assumed uncertainty of a true result that is known exactly. It is used for fitted orders.
+LABEL_HEIGHT = 0.042  # Height of a label as a fraction of the height of a panel.
+LABEL_COLUMN = 1.06  # Left end of the labels as a fraction of the width of a panel.
 COSTS = (("seconds", "wall time of the solver [s]"), ("evaluations", "evaluations of all contact forces"))
 ERROR_LABELS = {
     "velocities": "error of final velocities / closing speed",
@@ -40,8 +42,8 @@ ERROR_LABELS = {
     "overlaps": "relative error of overlaps (App. B), r.m.s.",
 }
 
-# Our methods have filled markers and solid lines, other integrators hollow markers and broken lines, so they differ
-# without colour.
+# Markers of the curves. Our methods have filled markers and solid lines. Other integrators have hollow markers and
+# broken lines. They can therefore be distinguished without colour.
 MARKERS = "osD^vPX*p<>hd8H"
 OUR_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, RED, SKY, BLACK, "#8c6d31", GREY, "#6a0dad")
 PEER_COLOURS = (
@@ -53,11 +55,12 @@ Style = dict[str, Any]
 
 
 def draw_chart(measured: Sequence[MeasuredCase], stamp: str = "") -> Figure:
-    """Draw the picture, with `stamp` (the machine) below; call it inside `plot_style.styled`."""
+    """Draw the chart, with the text `stamp` about the machine below. Call it inside `plot_style.styled`."""
     import matplotlib as mpl
 
     height = ROW_HEIGHT * len(measured)
-    with mpl.rc_context({"figure.constrained_layout.use": False}):  # labels are outside the panels
+    # Constrained layout is off because the labels lie outside the panels.
+    with mpl.rc_context({"figure.constrained_layout.use": False}):
         figure, panels = new_figure(WIDTH, height, len(measured), 2, squeeze=False)
     figure.subplots_adjust(
         left=0.055, right=0.865, bottom=0.8 / height, top=1.0 - 0.35 / height, wspace=0.44, hspace=0.31
@@ -83,7 +86,7 @@ def _draw_note(axes: Axes, text: str) -> None:
 
 
 def _styles(measured: Sequence[MeasuredCase]) -> dict[str, Style]:
-    """Return marker, line and colour of every name in the picture."""
+    """Return marker, line style and colour of each solver name in the chart."""
     is_ours = {one.solver.name: one.solver.ours for found in measured for one in found.series}
     found: dict[str, Style] = {}
     for k, name in enumerate(name for name, ours in is_ours.items() if ours):
@@ -101,7 +104,7 @@ def _draw_panel(axes: Axes, measured: MeasuredCase, cost: str, styles: dict[str,
     axes.set(xscale="log", yscale="log", ylim=(SMALLEST_ERROR, LARGEST_ERROR))
     axes.grid(alpha=0.25, linewidth=0.4)
     uncertainty = measured.case.uncertainty
-    ends: dict[str, ChartPoint] = {}  # the most accurate visible point of each curve
+    ends: dict[str, ChartPoint] = {}  # The most accurate visible point of each curve.
     orders: dict[str, float | None] = {}
     for name, series in series_by_name(measured.series).items():
         best = frontier(series, cost)
@@ -123,12 +126,12 @@ def _draw_uncertainty(axes: Axes, uncertainty: float) -> None:
 
 
 def _coordinates(points: Sequence[ChartPoint], cost: str) -> tuple[list[float], list[float]]:
-    """Return costs and errors; exact points lie at the lower edge of the panel."""
+    """Return costs and errors of the points. A point with a negligible error lies at the lower edge of the panel."""
     return [getattr(point, cost) for point in points], [max(point.error, EXACT) for point in points]
 
 
 def _draw_all_points(axes: Axes, series: Sequence[Series], cost: str, colour: str) -> None:
-    """Draw all points in a pale colour; the curve itself goes through its frontier only."""
+    """Draw all points in a pale colour. The curve itself connects only the points of its frontier."""
     points = [point for one in series for point in one.points if math.isfinite(getattr(point, cost))]
     axes.plot(*_coordinates(points, cost), ".", color=colour, markersize=1.5, alpha=0.35)
 
@@ -136,7 +139,10 @@ def _draw_all_points(axes: Axes, series: Sequence[Series], cost: str, colour: st
 def _draw_labels(
     axes: Axes, ends: dict[str, ChartPoint], orders: dict[str, float | None], cost: str, styles: dict[str, Style]
 ) -> None:
-    """Draw labels in a column next to the panel, each joined by a line to the most accurate point of its curve."""
+    """Draw the labels in a column to the right of the panel.
+
+    A line joins each label to the most accurate point of its curve.
+    """
     decades = math.log10(LARGEST_ERROR / SMALLEST_ERROR)
     wanted = [
         math.log10(min(max(point.error, EXACT), LARGEST_ERROR) / SMALLEST_ERROR) / decades for point in ends.values()

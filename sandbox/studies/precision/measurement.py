@@ -1,4 +1,7 @@
-"""Measurement of error and time of each solver from coarse to fine, until it is accurate enough or its time is used up."""
+"""Measurement of the error and the computing time of each solver.
+
+The settings run from coarse to fine. They end when a solver is accurate enough or has used up its time.
+"""
 
 import math
 import os
@@ -21,21 +24,22 @@ from softcradle.sandbox.studies.precision.cases import ChartCase, Start
 
 Array = NDArray[np.float64]
 
-NO_SAMPLES = np.zeros(0)  # sample times of a run whose final velocities only are compared
-FEWEST_STEPS = 30  # steps of the coarsest run of a fixed-step method
-MOST_STEPS = 8e6  # steps of the finest run
-START_PHASES = 4  # lead times, uniform over one step, over which the error of a fixed-step run is averaged
+NO_SAMPLES = np.zeros(0)  # Sample times if only final velocities are compared.
+FEWEST_STEPS = 30  # Number of steps in the coarsest simulation of a fixed-step method.
+MOST_STEPS = 8e6  # Number of steps in the finest simulation of a fixed-step method.
+# Number of lead times over which the error of a fixed-step method is averaged. They are uniform over one step.
+START_PHASES = 4
 PACKAGES = ("softcradle", "numba", "numpy", "scipy", "pymunk")
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Result of a run.
+    """Result of one simulation.
 
     Attributes:
-        velocity: (n+1,) final velocities [m/s], or None if the run gave up.
+        velocity: (n+1,) final velocities [m/s], or None if the simulation gave up.
         seconds: wall time of the solver only.
-        evaluations: of all contact forces; NaN if they are not counted.
+        evaluations: number of evaluations of all contact forces; NaN if they are not counted.
         overlap, force: (T, n) at the sample times [m], [N]; None without samples.
     """
 
@@ -46,7 +50,7 @@ class Solution:
     force: Array | None = None
 
 
-RunFunction = Callable[[float, Start, Array], Solution]  # fineness, start, sample times (T,) [s]
+RunFunction = Callable[[float, Start, Array], Solution]  # The arguments are fineness, start and sample times (T,) [s].
 
 
 @dataclass(frozen=True)
@@ -54,10 +58,10 @@ class Solver:
     """A solver with one series of settings.
 
     Attributes:
-        name: name of its curve, which contains all settings of that name.
-        setting: distinguishes this series from others of the same name.
-        finenesses: tolerances or numbers of steps, coarse to fine.
-        run: solves the case.
+        name: name of the curve in the chart. A curve contains all settings of this name.
+        setting: text that distinguishes this series from other series of the same name.
+        finenesses: tolerances or numbers of steps, from coarse to fine.
+        run: function that solves the case.
         ours: True for the methods of `simulate`.
         steps: True if the settings are numbers of steps.
     """
@@ -70,10 +74,10 @@ class Solver:
     steps: bool = False
 
     def starts(self, case: ChartCase, fineness: float) -> list[Start]:
-        """Return the starts over which the error is averaged.
+        """Return the initial states over which the error is averaged.
 
-        The error of a fixed-step run depends on the place of the first touch within a step; an adaptive run locates the
-        touch.
+        With fixed steps, the error depends on the time within a step at which beads first touch. Adaptive methods
+        locate this time.
         """
         if not self.steps:
             return [Start(case.chain, case.velocity)]
@@ -82,17 +86,21 @@ class Solver:
 
 
 def tolerances(finest: float = 1e-12) -> list[float]:
-    """Return half decades from 1e-2 down to `finest`."""
+    """Return the tolerances from 1e-2 down to `finest`, two in each decade."""
     return [float(10.0 ** (-0.5 * k)) for k in range(4, round(-2.0 * np.log10(finest)) + 1)]
 
 
 def step_counts() -> list[float]:
-    """Return numbers of steps by factors of 2."""
+    """Return the numbers of steps. Each is twice the previous number."""
     return [FEWEST_STEPS * 2.0**k for k in range(1 + int(np.log2(MOST_STEPS / FEWEST_STEPS)))]
 
 
 def our_solvers(case: ChartCase) -> list[Solver]:
-    """Return every method that can solve the case: adaptive ones by tolerance, others by number of steps, and `auto`."""
+    """Return every method of ours that can solve the case.
+
+    The settings are tolerances for adaptive methods and numbers of steps for other methods. The method `auto` is
+    included.
+    """
     auto = Solver(AUTO, "", tolerances(1e-11)[2:], partial(_run_adaptive, case, AUTO), ours=True)
     return [*(_solver(case, method) for method in METHODS if not refusal_of(method.name, case.chain)), auto]
 
@@ -109,7 +117,8 @@ def _run_adaptive(case: ChartCase, method: str, tolerance: float, start: Start, 
 
 
 def _run_fixed(case: ChartCase, method: str, steps: float, start: Start, sample_times: Array) -> Solution:
-    # to the known end, like other integrators, because a chattering run may never end by itself
+    # The duration ends at the known end of the collision, as for other integrators. A chattering motion may never end
+    # by itself.
     duration = case.run_duration + start.early
     return _solution(start, duration, method, sample_times, step=case.run_duration / steps)
 
@@ -122,15 +131,16 @@ def _solution(start: Start, duration: float | None, method: str, sample_times: A
     return Solution(velocity, found.seconds, found.evaluations, overlap, force)
 
 
-SMALLEST_ERROR = 3e-11  # a series ends after two settings with smaller errors
-REPEATS = 7  # runs of a setting; their median time counts
-SHORT_RUN = 0.01  # [s] longer runs are repeated fewer times
+SMALLEST_ERROR = 3e-11  # A series ends after two settings with smaller errors.
+REPEATS = 7  # Number of simulations with one setting. Their median time counts.
+SHORT_RUN = 0.01  # Simulations that take longer [s] are repeated fewer times.
 
-# The expected time of the next finer setting grows like the last one did, within these factors.
+# Smallest and largest factor between the expected time of the next finer setting and the last time. Within these
+# limits, the factor is assumed to stay the same.
 LEAST_GROWTH = 1.3
 MOST_GROWTH = 2.5
 
-# Multiple of the time limit of a run. A solver that is slower at its coarsest setting runs just once.
+# Multiple of the time limit of a simulation. A solver whose coarsest setting takes longer runs only once.
 SLOWEST_FIRST_RUN = 4.0
 
 
@@ -139,9 +149,10 @@ class TimeLimits:
     """Time limits of a measurement.
 
     Attributes:
-        run: a run that is expected to take longer is not started [s].
-        series: all runs of a series together [s].
-        case: all series of a case together [s], without loading and compiling; each series has its share of the
+        run: a simulation that is expected to take longer is not started [s].
+        series: limit for all simulations of a series together [s].
+        case: limit for all series of a case together [s], without loading and compiling. Each series has its share of
+            the
             remaining time.
     """
 
@@ -152,12 +163,12 @@ class TimeLimits:
 
 @dataclass
 class ChartPoint:
-    """One setting of one solver.
+    """One setting of one solver, with its measured error and time.
 
     Attributes:
         solver, fineness: the setting.
-        error: root mean square over the start phases.
-        seconds: median wall time of a run.
+        error: root mean square of the errors for different start phases.
+        seconds: median wall time of a simulation.
         evaluations: mean number of evaluations of all contact forces; NaN if they are not counted.
     """
 
@@ -170,7 +181,7 @@ class ChartPoint:
 
 @dataclass(frozen=True)
 class Series:
-    """Points of one solver, coarse to fine, and whether a time limit ended them."""
+    """Measured points of one solver from coarse to fine. It records if a time limit ended the series."""
 
     solver: Solver
     points: list[ChartPoint]
@@ -178,11 +189,11 @@ class Series:
 
 
 def error_of(case: ChartCase, quantity: str, solution: Solution) -> float:
-    """Return the error of a solution: the largest of the final velocities, or the root mean square of forces or
-    overlaps.
+    """Return the error of a solution.
 
-    Forces are relative to the largest force, overlaps to the overlap itself (App. B) and at most 1, while contacts
-    yield.
+    The error of final velocities is the largest one. The error of forces or overlaps is a root mean square. Forces are
+    relative to the largest force. Overlaps are relative to the overlap itself (App. B), with a limit of 1. Only
+    contacts that are compressed or extended count for overlaps.
     """
     if solution.velocity is None:
         return math.inf
@@ -208,13 +219,13 @@ def measure_case(
     limits: TimeLimits = TimeLimits(),
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Series]:
-    """Measure every series; call `announce` with the name of each solver before."""
+    """Measure every series of a case. Call `announce` with the name of each solver before its measurement."""
     found, spent = [], 0.0
     for k, solver in enumerate(solvers):
         announce(solver.name)
         share = (limits.case - spent) / (len(solvers) - k)
         with _silenced():
-            first = _first_point(case, solver, quantity)  # compiles if necessary
+            first = _first_point(case, solver, quantity)  # The first simulation may compile the solver.
             began = perf_counter()
             if first.seconds > SLOWEST_FIRST_RUN * limits.run:
                 found.append(Series(solver, [first], out_of_time=True))
@@ -228,8 +239,9 @@ def measure_case(
 def measure_series(
     case: ChartCase, solver: Solver, quantity: str = "velocities", limits: TimeLimits = TimeLimits()
 ) -> Series:
-    """Return the points of a series from coarse to fine. Its first run should not be the solver's first one, which may
-    compile.
+    """Return the points of a series from coarse to fine.
+
+    The solver should have run before, because its first simulation may include the time to compile it.
     """
     points: list[ChartPoint] = []
     began = perf_counter()
@@ -244,7 +256,7 @@ def measure_series(
 
 
 def _growth(points: Sequence[ChartPoint]) -> float:
-    """Return the expected time of the next finer setting relative to the last one."""
+    """Return the expected time of the next finer setting, divided by the time of the last setting."""
     last = points[-1].seconds / points[-2].seconds if len(points) > 1 else LEAST_GROWTH
     return min(max(last, LEAST_GROWTH), MOST_GROWTH)
 
@@ -263,14 +275,17 @@ def _point(case: ChartCase, solver: Solver, fineness: float, quantity: str) -> C
 
 
 def _first_point(case: ChartCase, solver: Solver, quantity: str) -> ChartPoint:
-    """Run once at the coarsest setting."""
+    """Measure the coarsest setting with a single simulation."""
     fineness = solver.finenesses[0]
     solution = _run(solver, fineness, solver.starts(case, fineness)[0], _sample_times(case, quantity))
     return ChartPoint(solver, fineness, error_of(case, quantity, solution), solution.seconds, solution.evaluations)
 
 
 def _run(solver: Solver, fineness: float, start: Start, sample_times: Array) -> Solution:
-    """Run. Another integrator that raises has given up; a method of ours that raises has a bug."""
+    """Solve the case with one setting.
+
+    If another integrator raises an error, it counts as given up. An error of one of our methods is a bug and is raised.
+    """
     began = perf_counter()
     try:
         return solver.run(fineness, start, sample_times)
@@ -286,7 +301,7 @@ def _sample_times(case: ChartCase, quantity: str) -> Array:
 
 @contextmanager
 def _silenced() -> Iterator[None]:
-    """Suppress the output of compiled code, because some integrators print a line for every rejected step."""
+    """Suppress the output of compiled code. Some integrators print a line for every rejected step."""
     copies = [os.dup(1), os.dup(2)]
     with open(os.devnull, "w", encoding="utf-8") as null:
         os.dup2(null.fileno(), 1)
@@ -300,7 +315,10 @@ def _silenced() -> Iterator[None]:
 
 
 def machine_stamp(packages: Sequence[str] = ()) -> str:
-    """Return processor and cores, system, Python and the installed versions of PACKAGES and `packages`."""
+    """Return a text with the processor, the cores, the system, and the versions of Python and of packages.
+
+    The packages are PACKAGES and the given `packages`.
+    """
     found = [f"{name} {installed}" for name in (*PACKAGES, *packages) if (installed := _version(name))]
     cores = os.cpu_count() or 1
     hardware = f"{processor()}, {cores} core{'s' * (cores > 1)}"
@@ -308,7 +326,9 @@ def machine_stamp(packages: Sequence[str] = ()) -> str:
 
 
 def processor() -> str:
-    """Return the name of the processor; on Linux from /proc/cpuinfo, because Python knows only the architecture there."""
+    """Return the name of the processor. On Linux it is read from /proc/cpuinfo, because Python reports only the
+    architecture.
+    """
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,7 @@
-"""Measurements as rows: the shortest time to each error level for people, every point for files."""
+"""Tables of the work-precision measurements.
+
+The table for people contains the shortest time to each error level. The file contains every measured point.
+"""
 
 import math
 from collections.abc import Sequence
@@ -12,13 +15,14 @@ from softcradle.sandbox.studies.data_table import write_rows
 from softcradle.sandbox.studies.precision.cases import ERROR_LEVELS, ChartCase
 from softcradle.sandbox.studies.precision.measurement import ChartPoint, Series
 
-LARGEST_ERROR = 1.0  # larger errors (of the closing speed itself) are not shown
-LARGEST_ORDER_ERROR = 0.1  # points with larger errors do not count for the order
-ORDER_MARGIN = 10.0  # points with errors below this multiple of the uncertainty of the truth do not count either
+LARGEST_ERROR = 1.0  # Points with larger errors, which exceed the closing speed itself, are not shown.
+LARGEST_ORDER_ERROR = 0.1  # Points with larger errors are not used to fit the order.
+# Points with errors below this multiple of the uncertainty of the true result are not used to fit the order.
+ORDER_MARGIN = 10.0
 
 
 def series_by_name(series: Sequence[Series]) -> dict[str, list[Series]]:
-    """Return the series of each name, which form one curve; names in order of appearance."""
+    """Return the series of each name in order of appearance. The series of one name form one curve."""
     found: dict[str, list[Series]] = {}
     for one in series:
         found.setdefault(one.solver.name, []).append(one)
@@ -26,7 +30,10 @@ def series_by_name(series: Sequence[Series]) -> dict[str, list[Series]]:
 
 
 def frontier(series: Sequence[Series], cost: str = "seconds") -> list[ChartPoint]:
-    """Return the points that no other point beats in both cost and error; the most expensive and accurate one is last."""
+    """Return the points that no other point beats in both cost and error.
+
+    The last point is the most expensive and the most accurate one.
+    """
     points = [point for one in series for point in one.points if math.isfinite(getattr(point, cost))]
     best: list[ChartPoint] = []
     for point in sorted(points, key=lambda point: (getattr(point, cost), point.error)):
@@ -36,8 +43,9 @@ def frontier(series: Sequence[Series], cost: str = "seconds") -> list[ChartPoint
 
 
 def fastest(series: Sequence[Series], error: float) -> ChartPoint | None:
-    """Return the fastest point that reaches `error` together with its next finer one, because an error may be small by
-    chance.
+    """Return the fastest point that reaches `error`.
+
+    Its next finer point must also reach the error, because a single error may be small by chance.
     """
     reaching = [
         point
@@ -54,7 +62,10 @@ def most_exact(series: Sequence[Series]) -> Series:
 
 
 def fitted_order(series: Series, uncertainty: float) -> float | None:
-    """Return the order p of error ~ fineness**p, in the step or tolerance; None for fewer than 3 valid points."""
+    """Return the order p of error ~ fineness**p, where the fineness is the step or tolerance.
+
+    It is None if there are fewer than 3 valid points.
+    """
     points = [point for point in series.points if ORDER_MARGIN * uncertainty < point.error < LARGEST_ORDER_ERROR]
     if len(points) < 3:
         return None
@@ -64,7 +75,7 @@ def fitted_order(series: Series, uncertainty: float) -> float | None:
 
 @dataclass(frozen=True)
 class MeasuredCase:
-    """A case with all its series, and the quantity whose error they contain."""
+    """A case with all its series, and the name of the quantity whose error was measured."""
 
     case: ChartCase
     series: list[Series]
@@ -73,12 +84,12 @@ class MeasuredCase:
 
 @dataclass(frozen=True)
 class CurveRow:
-    """One curve.
+    """Row of the table for one curve.
 
     Attributes:
         name, ours: as in Solver.
         fastest: the fastest point for each error level, or None.
-        out_of_time: True if a time limit ended its most accurate series.
+        out_of_time: True if a time limit ended the most accurate series of the curve.
     """
 
     name: str
@@ -87,13 +98,15 @@ class CurveRow:
     out_of_time: bool
 
     def seconds(self, level: int) -> float:
-        """Return the time to the error level of that index; infinite if it is not reached."""
+        """Return the time to reach the error level with the index `level`. It is infinite if the curve does not reach
+        it.
+        """
         point = self.fastest[level]
         return math.inf if point is None else point.seconds
 
 
 def curve_rows(measured: MeasuredCase) -> list[CurveRow]:
-    """Return a row for each name."""
+    """Return one row for each curve name."""
     return [
         CurveRow(
             name,
@@ -106,14 +119,18 @@ def curve_rows(measured: MeasuredCase) -> list[CurveRow]:
 
 
 def fastest_row(rows: Sequence[CurveRow], ours: bool, level: int) -> CurveRow | None:
-    """Return the fastest row to an error level among the methods of `simulate`, or among other integrators."""
+    """Return the row that reaches an error level fastest.
+
+    The search is limited to the methods of `simulate` if `ours` is True, and to other integrators if it is False.
+    """
     reaching = [row for row in rows if row.ours == ours and row.fastest[level] is not None]
     return min(reaching, key=lambda row: row.seconds(level), default=None)
 
 
 def ratio(rows: Sequence[CurveRow], level: int) -> float | None:
-    """Return the time of the fastest other integrator over our fastest; infinite if only ours reaches the error, None
-    if ours does not.
+    """Return the time of the fastest other integrator, divided by the time of our fastest method.
+
+    It is infinite if only our methods reach the error level, and None if our methods do not reach it.
     """
     mine, peer = fastest_row(rows, True, level), fastest_row(rows, False, level)
     if mine is None:
@@ -122,8 +139,9 @@ def ratio(rows: Sequence[CurveRow], level: int) -> float | None:
 
 
 def ratio_sentence(rows: Sequence[CurveRow]) -> str:
-    """Return a sentence with the fastest solver for each error level and the time ratios; ours only without other
-    integrators.
+    """Return a sentence with the fastest solver for each error level, and the time ratios.
+
+    Without other integrators, the sentence contains only our methods.
     """
     parts, alone = [], all(row.ours for row in rows)
     for level, error in enumerate(ERROR_LEVELS):
@@ -138,7 +156,10 @@ def ratio_sentence(rows: Sequence[CurveRow]) -> str:
 
 
 def auto_sentence(rows: Sequence[CurveRow]) -> str:
-    """Return a sentence with the time of `auto` over our fastest method for each error level; empty without `auto`."""
+    """Return a sentence with the time of `auto`, divided by the time of our fastest method, for each error level.
+
+    It is empty if `auto` was not measured.
+    """
     auto = next((row for row in rows if row.name == AUTO), None)
     if auto is None:
         return ""
@@ -154,7 +175,7 @@ def auto_sentence(rows: Sequence[CurveRow]) -> str:
 
 
 def setting_text(point: ChartPoint | None) -> str:
-    """Return the setting of a point."""
+    """Return the setting of a point as text."""
     if point is None:
         return "-"
     fineness = f"{point.fineness:.0f} steps" if point.solver.steps else f"{point.fineness:.0e}"
@@ -162,7 +183,10 @@ def setting_text(point: ChartPoint | None) -> str:
 
 
 def write_csv(measured: Sequence[MeasuredCase], path: Path) -> None:
-    """Write every point of every series; a field is empty if a run gave up or evaluations are not counted."""
+    """Write every point of every series to a .csv file.
+
+    A field is empty if the simulation gave up or if evaluations are not counted.
+    """
     error = f"error of {measured[0].quantity}"
     header = ("case", "method", "ours", "setting", "tolerance or steps", error, "seconds", "evaluations")
     rows = [

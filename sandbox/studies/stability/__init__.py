@@ -1,1 +1,1 @@
-"""Scans over contact law and step: for which of them each method fails, how, and with or without a warning."""
+"""Scans over contact law and step that show when each method fails, how it fails, and if it warns."""

@@ -1,5 +1,7 @@
-"""Scans of one on n beads over exponent, number and preload, at every step or tolerance: how each run fails, and
-summaries.
+"""Scans of collisions that show how each method fails.
+
+One bead hits n beads. Exponent, n and preload are varied, at every step or tolerance. The results are summarised for
+each method.
 """
 
 import math
@@ -23,22 +25,25 @@ from softcradle.sandbox.sweeps.run_sweep import Progress, map_points
 
 Array = NDArray[np.float64]
 
-ALPHA = 1 / 10  # exponent of the scan over the number of targets
-TARGETS = 4  # targets of the scans over exponent and preload
-STEPS = tuple(float(step) for step in np.geomspace(3e-4, 0.3, 13))  # [s]
+ALPHA = 1 / 10  # Exponent in the scan over the number of targets.
+TARGETS = 4  # Number of targets in the scans over exponent and preload.
+STEPS = tuple(float(step) for step in np.geomspace(3e-4, 0.3, 13))  # Time steps of the scans [s].
 TOLERANCES = tuple(float(10.0**-k) for k in np.linspace(8.0, 1.0, 8))
-REFERENCE_TOLERANCE = 1e-10  # tolerance of the reference motion
-DURATION_FACTOR = 2.0  # Duration of a run as a multiple of the reference motion, because chattering may never end.
-LONGEST_REFERENCE = 100.0  # [s] longest reference motion, for chains whose last contact opens very late
+REFERENCE_TOLERANCE = 1e-10  # Tolerance of the reference motion.
+# Duration of a simulation, divided by the duration of the reference motion. The duration is limited because chattering
+# may never end.
+DURATION_FACTOR = 2.0
+LONGEST_REFERENCE = 100.0  # Longest reference motion [s]. In some chains the last contact opens very late.
 SAMPLES = 101
-# pymunk has the same results as euler, and thousands of runs of the slow reference take hours
+# Methods that are not scanned. pymunk has the same results as euler. The reference scipy is slow, and thousands of
+# simulations would take hours.
 SKIPPED_METHODS = ("pymunk", "scipy")
-ADAPTIVE_ERROR_FACTOR = 3.0  # allowed error of an adaptive method, as a multiple of its tolerance
-HARMLESS_SWITCHES = 2  # a run with more excess switches than this chatters
+ADAPTIVE_ERROR_FACTOR = 3.0  # Allowed error of an adaptive method as a multiple of its tolerance.
+HARMLESS_SWITCHES = 2  # A simulation with more excess openings and closings than this counts as chattering.
 
 
 class Failure(StrEnum):
-    """How a run fails."""
+    """Kind of failure of a simulation."""
 
     BLOW_UP = "blow-up"
     CHATTER = "chatter"
@@ -50,9 +55,9 @@ class Scan:
     """Parameter that is varied in addition to the step or tolerance.
 
     Attributes:
-        name, label: for files, and for the axis.
-        values: in ascending order.
-        chain: makes the chain for a value.
+        name, label: name for files, and label of the axis.
+        values: values of the parameter in ascending order.
+        chain: function that makes the chain for a value.
     """
 
     name: str
@@ -62,8 +67,9 @@ class Scan:
 
 
 def _preloaded_chain(ratio: float) -> Chain:
-    """Return draft gears whose preload is `ratio` times the force at the largest overlap of a single bead; the
-    stiffness is 1.
+    """Return a chain with draft gears of unit stiffness.
+
+    The preload is `ratio` times the force at the largest overlap of a single bead.
     """
     return one_on(TARGETS, Contact(ratio, 1.0, 1.0))
 
@@ -82,12 +88,12 @@ SCANS: tuple[Scan, ...] = (
 
 @dataclass(frozen=True)
 class ScanRun:
-    """One run of a scan.
+    """One simulation of a scan.
 
     Attributes:
-        scan, value, method, fineness: settings of the run; the fineness is a step [s] or a tolerance.
+        scan, value, method, fineness: settings; the fineness is a step [s] or a tolerance.
         energy: largest relative deviation of the energy from its initial value, over the samples.
-        final_energy: the same at the end.
+        final_energy: relative deviation of the energy at the end.
         spread: root mean square error of the target velocities, relative to the closing speed.
         switches: closings and openings of contacts in excess of the true number.
         warned: True if the trajectory contains a warning.
@@ -109,7 +115,7 @@ class ScanRun:
 
     @property
     def failure(self) -> Failure | None:
-        """How the run fails; None if the velocities are correct."""
+        """Kind of failure; None if the velocities are correct."""
         if self.spread <= self.allowed:
             return None
         if not self.final_energy <= 1.0:
@@ -118,17 +124,17 @@ class ScanRun:
 
 
 def scanned_methods() -> list[Method]:
-    """Return the methods of the scan."""
+    """Return the methods that are scanned."""
     return [method for method in METHODS if method.name not in SKIPPED_METHODS]
 
 
 def finenesses(method: Method) -> tuple[float, ...]:
-    """Return the steps [s] or tolerances at which a method is run."""
+    """Return the steps [s] or tolerances with which `method` is scanned."""
     return TOLERANCES if method.adaptive else STEPS
 
 
 def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanRun:
-    """Run once and compare with the reference motion."""
+    """Simulate one setting of a scan, and compare the result with the reference motion."""
     chain = scan.chain(value)
     velocity, reference = _reference(chain)
     chosen: dict[str, Any] = {"tolerance": fineness} if method.adaptive else {"step": fineness}
@@ -152,7 +158,7 @@ def scan_run(scan: Scan, value: float, method: Method, fineness: float) -> ScanR
 
 
 def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers: int | None = None) -> list[ScanRun]:
-    """Run all scans with every method, in worker processes if that is faster."""
+    """Simulate all settings of the scans with every method. Worker processes are used if they save time."""
     order = [method.name for method in scanned_methods()]
     found = []
     for scan in scans:
@@ -173,7 +179,7 @@ def swept_runs(scans: Sequence[Scan], progress: Progress | None = None, workers:
 
 
 def scan_numbers(name: str, value: float, method: str, fineness: float) -> dict[str, float]:
-    """Return the results of one run of the scan of that name as numbers."""
+    """Return the numbers of one simulation in the scan called `name`."""
     scan = next(scan for scan in SCANS if scan.name == name)
     run = asdict(scan_run(scan, value, find_method(method), fineness))
     return {key: float(number) for key, number in run.items() if key not in ("scan", "value", "method", "fineness")}
@@ -181,7 +187,7 @@ def scan_numbers(name: str, value: float, method: str, fineness: float) -> dict[
 
 @lru_cache(maxsize=64)
 def _reference(chain: Chain) -> tuple[Array, Trajectory]:
-    """Return initial velocities and the accurate motion, until some time after its end."""
+    """Return the initial velocities and the accurate motion until some time after its end."""
     velocity = np.eye(1, chain.contacts + 1)[0]
     end = float(solve(chain, velocity, tolerance=1e-6, samples=SAMPLES).time[-1])
     duration = DURATION_FACTOR * min(end, LONGEST_REFERENCE)
@@ -200,16 +206,16 @@ def _nan_as_inf(value: float) -> float:
 
 @dataclass(frozen=True)
 class FailureSummary:
-    """Summary of all runs of one scan with one method.
+    """Summary of all simulations of one scan with one method.
 
     Attributes:
-        scan, method: names.
-        runs: number of runs.
-        failed: number of runs with a larger error than allowed.
+        scan, method: names of the scan and the method.
+        runs: number of simulations.
+        failed: number of simulations with a larger error than allowed.
         kinds: kinds of failure with counts, the most frequent first.
-        finest: failed run with the smallest step or tolerance, or None.
-        below_limit: number of failed runs with a step below `stable_step`.
-        silent: number of failed runs without a warning.
+        finest: failed simulation with the smallest step or tolerance, or None.
+        below_limit: number of failed simulations with a step below `stable_step`.
+        silent: number of failed simulations without a warning.
     """
 
     scan: str
@@ -245,6 +251,6 @@ def _summary(scan: str, method: str, runs: Sequence[ScanRun]) -> FailureSummary:
 
 
 def write_csv(runs: Sequence[ScanRun], path: Path) -> None:
-    """Write a row for each run, with its failure last."""
+    """Write one row for each simulation to a .csv file. The last column is the failure."""
     header = (*(field.name for field in fields(ScanRun)), "failure")
     write_rows(path, header, ((*astuple(run), run.failure or "") for run in runs))

@@ -1,7 +1,7 @@
-"""Cradle with pymunk's own rigid contacts, elasticity 1: it neither conserves energy nor behaves like soft beads.
+"""Cradle with the rigid contacts of pymunk and elasticity 1. It neither conserves energy nor behaves like soft beads.
 
-Measured with pymunk 7.3: the energy depends on the step, and is lost rather than gained. For any step, if one ball
-hits, only the last ball leaves. Touching soft contacts do not have this limit.
+The results were measured with pymunk 7.3. The energy depends on the step, and decreases in all cases. For any step, if
+one ball hits, only the last ball leaves. Touching soft contacts do not have this limit.
 """
 
 import math
@@ -13,16 +13,19 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 BALLS = 5
-RADIUS = 20.0  # [pixels], pymunk's usual unit
-LENGTH = 150.0  # [pixels] length of the pendulums
-GRAVITY = 981.0  # [pixels/s^2]
-ANGLE = math.radians(60.0)  # initial angle of the first pendulum
-DURATION = 20.0  # [s]
-STEPS = (1 / 60, 1 / 600, 1 / 6000)  # [s]
+RADIUS = 20.0  # Radius of a ball in pixels, pymunk's usual unit.
+LENGTH = 150.0  # Length of the pendulums [pixels].
+GRAVITY = 981.0  # Acceleration of gravity [pixels/s^2].
+ANGLE = math.radians(60.0)  # Initial angle of the first pendulum [rad].
+DURATION = 20.0  # Duration of a simulation [s].
+STEPS = (1 / 60, 1 / 600, 1 / 6000)  # Time steps [s].
 
 
 def remaining_energy(step: float) -> float:
-    """Return the energy of the cradle after DURATION relative to the start, above the balls at rest."""
+    """Return the energy of the cradle after DURATION, relative to the initial energy.
+
+    The energy of the balls at rest is 0.
+    """
     space, balls = _pendulums()
     before = _energy(balls)
     for _ in range(round(DURATION / step)):

@@ -1,6 +1,6 @@
-"""Maps of the scans with a column for each method. The overview has a row for each scan and a colour for each failure.
+"""Maps of the scans, with one column for each method.
 
-The details show three quantities.
+The overview has a row for each scan, and colours show the kind of failure. The details show three quantities.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# holds, error, chatter, blow-up: distinguishable in grey as well
+# Colours of the results holds, error, chatter and blow-up. They can be distinguished in grey.
 COLOURS = ("#e4eef3", "#f2c14e", "#d1495b", "#4a1d4f")
 MEANINGS = (
     "holds its error",
@@ -36,19 +36,19 @@ MEANINGS = (
     "blow-up: the energy has at least doubled",
 )
 ORDER = (None, Failure.ERROR, Failure.CHATTER, Failure.BLOW_UP)
-PANEL = 1.55, 1.75  # [inches] of a map of the overview with its axes
-MARGIN = 1.05  # [inches] below, for the legend
-DETAIL = 2.15, 1.65  # [inches] of a map of the details with its axes
+PANEL = 1.55, 1.75  # Width and height of a map of the overview with its axes [inches].
+MARGIN = 1.05  # Height of the space for the legend below the maps [inches].
+DETAIL = 2.15, 1.65  # Width and height of a map of the details with its axes [inches].
 
-Marker = Callable[["Axes", "ScanRun", int, int], None]  # marks a failed run at its position across and up
+Marker = Callable[["Axes", "ScanRun", int, int], None]  # Function that marks a failed simulation at its column and row.
 
 
 class MappedNumber(NamedTuple):
-    """Quantity of a map.
+    """Quantity that a map shows.
 
     Attributes:
-        low, high: range of colours.
-        level: value that determines the colour of a run; NaN leaves the cell white.
+        low, high: smallest and largest value on the colour scale.
+        level: function that returns the value of a simulation; the cell is white if it is NaN.
         label: label of the colour bar.
     """
 
@@ -74,7 +74,7 @@ QUANTITIES = (
 
 
 def draw_overview(runs: Sequence[ScanRun], scans: Sequence[Scan] = SCANS) -> Figure:
-    """Draw the kinds of failure with a legend; call it inside `plot_style.styled`."""
+    """Draw the kinds of failure with a legend. Call it inside `plot_style.styled`."""
     from matplotlib.colors import ListedColormap
 
     mapped = _mapped(runs)
@@ -92,7 +92,7 @@ def draw_overview(runs: Sequence[ScanRun], scans: Sequence[Scan] = SCANS) -> Fig
 
 
 def draw_details(runs: Sequence[ScanRun], scans: Sequence[Scan] = SCANS) -> Figure:
-    """Draw energy, velocities and switches; call it inside `plot_style.styled`."""
+    """Draw the errors of energy and velocities, and the excess events. Call it inside `plot_style.styled`."""
     mapped = _mapped(runs)
     rows = [(scan, quantity) for scan in scans for quantity in QUANTITIES]
     size = DETAIL[0] * len(mapped) + 1.2, DETAIL[1] * len(rows)
@@ -155,20 +155,20 @@ def _draw_map(
 
 
 def _dot(axes: Axes, run: ScanRun, across: int, up: int) -> None:
-    """Draw a dot on a failed run without a warning."""
+    """Draw a dot on a failed simulation without a warning."""
     if not run.warned:
         axes.plot(across, up, "o", color="white", markeredgecolor=BLACK, markersize=3.0, markeredgewidth=0.6)
 
 
 def _letter(axes: Axes, run: ScanRun, across: int, up: int) -> None:
-    """Draw the first letter of the failure, red if there was no warning."""
+    """Draw the first letter of the failure. It is red if the simulation gave no warning."""
     colour = "white" if run.warned else RED
     letter = str(run.failure)[0]
     axes.text(across, up, letter, fontsize=4.5, ha="center", va="center", color=colour, fontweight="bold")
 
 
 def _explain(figure: Figure, height: float) -> None:
-    """Write the meaning of colours, line and dots below the maps."""
+    """Write an explanation of colours, line and dots below the maps."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

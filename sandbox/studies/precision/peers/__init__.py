@@ -1,9 +1,9 @@
-"""Other integrators on the collisions of the work-precision chart. An integrator is left out if its package is not
-installed.
+"""Other integrators for the collisions of the work-precision chart. An integrator whose package is missing is left out.
 
-Each gets the settings that an expert would choose: overlaps as variables, a compiled right-hand side, smaller absolute
-tolerances for overlaps than for rates, and a small first step (otherwise the collision would be skipped). None can stop
-when a collision is over, so each runs to the known end. None supports touching contacts, so draft gears chatter.
+Each integrator gets the settings that an expert would choose. The variables are overlaps, and the right-hand side is
+compiled. Absolute tolerances are smaller for overlaps than for rates. The first step is small, because the integrator
+would otherwise skip the collision. No integrator can stop when a collision is over, so each runs to the known end. No
+integrator supports touching contacts, so draft gears chatter.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ from softcradle.sandbox.studies.precision.measurement import Solver
 
 
 class Peer(NamedTuple):
-    """Another integrator: its name, the package that it needs, and its function in `integrators`."""
+    """Another integrator, with its name, the package that it needs, and its function in `integrators`."""
 
     name: str
     package: str
     function: str
 
     def solvers(self, case: ChartCase) -> list[Solver]:
-        """Return its solvers of the case; empty if it cannot solve it."""
-        from softcradle.sandbox.studies.precision.peers import integrators  # needs numba
+        """Return the solvers of this integrator for the case. The list is empty if it cannot solve the case."""
+        # The import is local because this module needs numba.
+        from softcradle.sandbox.studies.precision.peers import integrators
 
         found: list[Solver] = getattr(integrators, self.function)(case)
         return found
@@ -47,13 +48,14 @@ def missing_peers() -> list[Peer]:
 
 
 def peer_distributions() -> list[str]:
-    """Return the distribution names of the integrators' packages."""
+    """Return the distribution names of the packages of all integrators."""
     return [peer.name for peer in PEERS if peer.package not in ("numba", "scipy")]
 
 
 def peer_solvers(case: ChartCase) -> list[Solver]:
-    """Return the solvers of every installed integrator that can solve the case: power laws and a steady drive, without
-    dissipation.
+    """Return the solvers of every installed integrator that can solve the case.
+
+    They can solve power laws and a steady external force without dissipation.
     """
     chain = case.chain
     if chain.dissipative or chain.timed or chain.piecewise or chain.own_laws or not _numba_compiles():

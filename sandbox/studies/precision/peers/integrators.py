@@ -1,4 +1,4 @@
-"""Every other integrator as a function from a case to its solvers, and the run that they share."""
+"""Functions that return the solvers of each other integrator for a case, and the code that they share."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from softcradle.sandbox.studies.precision.peers.problem import (
 
 Array = NDArray[np.float64]
 
-FIRST_STEP = 1e-6  # [s]
+FIRST_STEP = 1e-6  # Length of the first step [s].
 MOST_STEPS = 100_000
-TIME_LIMIT = 1.0  # [s] longest run whose right-hand side is called from Python
+TIME_LIMIT = 1.0  # Longest simulation [s] of an integrator that calls its right-hand side from Python.
 
-# Absolute tolerance of overlaps relative to rates.
+# Ratios of the absolute tolerance of overlaps to the absolute tolerance of rates.
 COMPILED_RATIOS = (1e-2, 1e-6, 1e-10)
 RATIOS = (1e-2, 1e-6)
 SCIPY_RATIO = 1e-6
@@ -39,11 +39,12 @@ CYRK_METHODS = ("RK45", "DOP853", "LSODA", "RADAU")
 SCIPY_METHODS = ("DOP853", "LSODA", "Radau")
 SUNDAE_METHODS = ("Adams", "BDF")
 
-HEYOKA_CONTACTS = 5  # longer chains have deep contacts that are too stiff for an explicit series
-HEYOKA_SWITCH_TIMES = (1e-2, 1e-4)  # [s] after the first touch, when the series takes over
-HEYOKA_OVERLAPS = (1e-8, 1e-14)  # [m] below which a contact counts as open
-HEYOKA_START = 1e-11  # smallest tolerance of the start
-TSIT5_STAGES = 6  # evaluations in a step; the first one is the last of the previous step
+# Largest number of contacts. The deep contacts of longer chains are too stiff for an explicit series.
+HEYOKA_CONTACTS = 5
+HEYOKA_SWITCH_TIMES = (1e-2, 1e-4)  # Times [s] after the first touch at which the Taylor series takes over.
+HEYOKA_OVERLAPS = (1e-8, 1e-14)  # Overlaps [m] below which a contact counts as open.
+HEYOKA_START = 1e-11  # Smallest tolerance of the simulation of the start.
+TSIT5_STAGES = 6  # Number of evaluations in a step. The first evaluation is the last one of the previous step.
 
 
 # Verlet: the usual hand-written loop for one cradle, compiled.
@@ -51,7 +52,7 @@ TSIT5_STAGES = 6  # evaluations in a step; the first one is the last of the prev
 
 @numba.njit(error_model="numpy")
 def leapfrog(overlap: Any, rate: Any, stiffness: float, exponent: float, h: float, steps: int) -> None:
-    """Step equal unit masses with one power law, in place."""
+    """Advance a chain of unit masses by `steps` steps, in place. All contacts have the same power law."""
     n = overlap.size
     for _ in range(steps):
         left, before = 0.0, 0.0
@@ -67,7 +68,10 @@ def leapfrog(overlap: Any, rate: Any, stiffness: float, exponent: float, h: floa
 
 
 def verlet_by_hand(case: ChartCase) -> list[Solver]:
-    """Return a hand-written Verlet solver; empty unless the chain has unit masses and one power law without preload."""
+    """Return a hand-written Verlet solver.
+
+    The list is empty if the masses are not 1, or if the contacts are not one power law without preload.
+    """
     chain = case.chain
     simple = set(chain.mass) == {1.0} and len(set(chain.power_laws)) == 1 and chain.power_laws[0].preload == 0.0
     if not simple or chain.drive:
@@ -86,16 +90,17 @@ def _by_hand(case: ChartCase, steps: float, start: Start, sample_times: Array) -
         leapfrog(overlap, rate, law.stiffness, law.exponent, step, more)
         seconds += perf_counter() - began
         count += more
-        late = time - count * step  # less than half a step, on a straight line
+        # The remaining time is less than half a step. The motion in it is approximated by a straight line.
+        late = time - count * step
         states.append(np.concatenate((overlap + late * rate, rate)))
     return solution_of(case, np.array(states), sample_times, seconds, count)
 
 
-# CyRK: its compiled loop called from compiled code.
+# CyRK: its compiled loop is called from compiled code.
 
 
 def cyrk(case: ChartCase) -> list[Solver]:
-    """Return a curve for each method, over ratios of the absolute tolerances."""
+    """Return one curve for each method. Its points scan ratios of the absolute tolerances."""
     return [
         Solver(f"CyRK {method}", f"overlaps {ratio:g}", tolerances(), partial(_cyrk, case, method, ratio))
         for method in CYRK_METHODS
@@ -134,11 +139,12 @@ def _cyrk(case: ChartCase, method: str, ratio: float, tolerance: float, _start: 
     return solution_of(case, states.T if ok else None, sample_times, seconds, counter[0])
 
 
-# numbalsoda: one absolute tolerance for all variables, so several fractions of the relative one are tried.
+# numbalsoda: all variables have the same absolute tolerance. Several fractions of the relative tolerance are tried for
+# it.
 
 
 def numbalsoda(case: ChartCase) -> list[Solver]:
-    """Return one curve."""
+    """Return the single curve of numbalsoda."""
     return [
         Solver("numbalsoda", f"LSODA, absolute {ratio:g}", tolerances(), partial(_numbalsoda, case, ratio))
         for ratio in (1.0, *COMPILED_RATIOS)
@@ -167,12 +173,12 @@ def _numbalsoda(case: ChartCase, ratio: float, tolerance: float, _start: Start, 
 
 
 # heyoka: a Taylor series with terminal events at which a contact opens or closes. A series cannot start at zero
-# overlap, so `radau` computes the start, and its time counts. A contact counts as open below a small overlap, which is
-# scanned as well.
+# overlap. The start is therefore computed by `radau`, and its time counts. A contact counts as open below a small
+# overlap, which is scanned as well.
 
 
 def heyoka(case: ChartCase) -> list[Solver]:
-    """Return one curve; empty for preloads, walls, or contacts that differ."""
+    """Return the single curve of heyoka. The list is empty if the chain has preloads, walls or different contacts."""
     chain, law = case.chain, case.chain.power_laws[0]
     soft = set(chain.power_laws) == {law} and law.preload == 0.0 and law.exponent < 1.0
     if chain.contacts > HEYOKA_CONTACTS or not soft or set(chain.mass) != {1.0} or chain.drive or any(chain.gap):
@@ -190,8 +196,8 @@ def _taylor(n: int, exponent: float, stiffness: float, tolerance: float, least: 
 
     overlap = [hy.make_vars(f"d{i}") for i in range(n)]
     rate = [hy.make_vars(f"w{i}") for i in range(n)]
-    # par[i] is 1 while contact i is closed. The base is 1 while it is open, so that the power of a negative number is
-    # never taken.
+    # par[i] is 1 while contact i is closed. The base is 1 while the contact is open, which avoids powers of negative
+    # numbers.
     force = [hy.par[i] * stiffness * (hy.par[i] * overlap[i] + 1.0 - hy.par[i]) ** exponent for i in range(n)]
     force_of = [hy.expression(0.0), *force, hy.expression(0.0)]
     system = [(overlap[i], rate[i]) for i in range(n)]
@@ -234,11 +240,11 @@ def _heyoka(
     return solution_of(case, np.array(states), sample_times, seconds, np.nan)
 
 
-# SciPy's solve_ivp with a compiled right-hand side, called from its Python loop.
+# SciPy: solve_ivp with a compiled right-hand side that is called from its Python loop.
 
 
 def scipy(case: ChartCase) -> list[Solver]:
-    """Return a curve for each method."""
+    """Return one curve for each method of SciPy."""
     return [Solver(f"SciPy {method}", "", tolerances(), partial(_scipy, case, method)) for method in SCIPY_METHODS]
 
 
@@ -260,16 +266,17 @@ def _scipy(case: ChartCase, method: str, tolerance: float, _start: Start, sample
     except TimeLimitError:
         return Solution(None, perf_counter() - began, counter[0])
     seconds = perf_counter() - began
-    if seconds > TIME_LIMIT:  # a compiled caller drops a TimeLimitError and returns a partial result
+    # The time is checked here because a compiled caller drops a TimeLimitError and returns a partial result.
+    if seconds > TIME_LIMIT:
         return Solution(None, seconds, counter[0])
     return solution_of(case, found.y.T if found.success else None, sample_times, seconds, counter[0])
 
 
-# SUNDIALS' CVODE through scikit-sundae, with a compiled right-hand side and its banded solver.
+# SUNDIALS: CVODE through scikit-sundae, with a compiled right-hand side and its banded solver.
 
 
 def sundae(case: ChartCase) -> list[Solver]:
-    """Return a curve for each method."""
+    """Return one curve for each method of SUNDIALS."""
     return [
         Solver(f"CVODE {method}", f"overlaps {ratio:g}", tolerances(), partial(_sundae, case, method, ratio))
         for method in SUNDAE_METHODS
@@ -296,18 +303,20 @@ def _sundae(
     except TimeLimitError:
         return Solution(None, perf_counter() - began, counter[0])
     seconds = perf_counter() - began
-    if seconds > TIME_LIMIT:  # a compiled caller drops a TimeLimitError and returns a partial result
+    # The time is checked here because a compiled caller drops a TimeLimitError and returns a partial result.
+    if seconds > TIME_LIMIT:
         return Solution(None, seconds, counter[0])
     states = found.y[1 : times.size] if found.success else None
     return solution_of(case, states, sample_times, seconds, counter[0])
 
 
-# diffrax, compiled by jax for each number of contacts; these four seconds do not count. Its other solvers, tried on one
-# on 4 at alpha = 1/10, take 20 (Dopri8) to 100 times (Kvaerno5) as long as Tsit5.
+# diffrax: jax compiles it for each number of contacts. The compilation takes four seconds, which do not count. Its
+# other solvers were tried on one on 4 at alpha = 1/10. They take 20 times (Dopri8) to 100 times (Kvaerno5) as long as
+# Tsit5.
 
 
 def diffrax(case: ChartCase) -> list[Solver]:
-    """Return one curve; empty for a driven chain."""
+    """Return the single curve of diffrax. The list is empty for a driven chain."""
     if case.chain.drive:
         return []
     return [
@@ -327,7 +336,8 @@ def _tsit5() -> Callable[..., Any]:
         law, inverse_mass = parameters
         n = law.shape[0]
         overlap, pressed = y[:n], y[:n] > 0.0
-        power = jnp.where(pressed, overlap, 1.0) ** law[:, 2]  # 1 while open, because 0**a is not differentiable
+        # The base is 1 while the contact is open, because 0**a is not differentiable.
+        power = jnp.where(pressed, overlap, 1.0) ** law[:, 2]
         force = jnp.pad(jnp.where(pressed, law[:, 0] + law[:, 1] * power, 0.0), 1)
         acceleration = (force[:-1] - force[1:]) * inverse_mass
         return jnp.concatenate([y[n:], acceleration[:-1] - acceleration[1:]])

@@ -1,5 +1,6 @@
-"""Shared parts of the other integrators: the compiled right-hand side in overlaps and rates, and the Solution from
-these.
+"""Code that the other integrators share.
+
+It contains the compiled right-hand side for overlaps and rates, and the conversion of these variables to a Solution.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ Array = NDArray[np.float64]
 
 
 class TimeLimitError(Exception):
-    """A run took longer than TIME_LIMIT."""
+    """Raised if a simulation takes longer than TIME_LIMIT."""
 
 
 def timed_derivatives(parameters: Array, out: Array, y: Array, deadline: float) -> Array:
-    """Fill `out` (2n,) and return it; raise TimeLimitError after the deadline [s of perf_counter]."""
+    """Fill `out` (2n,) with the derivatives and return it.
+
+    Raise TimeLimitError if the time has passed `deadline` [s of perf_counter].
+    """
     if perf_counter() > deadline:
         raise TimeLimitError
     derivatives(y, out, parameters)
@@ -31,18 +35,19 @@ def timed_derivatives(parameters: Array, out: Array, y: Array, deadline: float) 
 
 
 def start_state(case: ChartCase) -> Array:
-    """Return the (2n,) overlaps and rates at the start."""
+    """Return the (2n,) overlaps and rates at the start of the case."""
     return np.concatenate((0.0 - np.array(case.chain.gap), -np.diff(case.velocity)))
 
 
 def output_times(case: ChartCase, sample_times: Array) -> Array:
-    """Return the sample times, if any, and the end [s]."""
+    """Return the sample times, if there are any, followed by the end of the collision [s]."""
     return np.append(sample_times, case.run_duration)
 
 
 def parameter_array(case: ChartCase, counter: Array) -> Array:
-    """Return the (2 + 3n + n+1 + n+1,) parameters for C: number of contacts, address of `counter` (1,), laws, inverse
-    masses, drive.
+    """Return the (2 + 3n + n+1 + n+1,) parameters of the compiled right-hand side.
+
+    They are the number of contacts, the address of `counter` (1,), the contact laws, the inverse masses and the drive.
     """
     law, inverse_mass = case.chain.power_law_rows, case.chain.inverse_mass
     drive = np.zeros(inverse_mass.size) if case.chain.drive_force is None else case.chain.drive_force
@@ -50,14 +55,16 @@ def parameter_array(case: ChartCase, counter: Array) -> Array:
 
 
 def absolute_tolerances(case: ChartCase, ratio: float, tolerance: float) -> Array:
-    """Return the (2n,) absolute tolerances; those of overlaps are `ratio` times those of rates."""
+    """Return the (2n,) absolute tolerances. The tolerances of overlaps are `ratio` times the tolerances of rates."""
     return np.repeat((ratio * tolerance, tolerance), case.chain.contacts)
 
 
 def solution_of(
     case: ChartCase, states: Array | None, sample_times: Array, seconds: float, evaluations: float
 ) -> Solution:
-    """Return the Solution from states (T, 2n) at the sample times and at the end; None for a run that gave up."""
+    """Return the Solution from states (T, 2n) at the sample times and at the end. The states are None if the solver
+    gave up.
+    """
     if states is None or len(states) != sample_times.size + 1 or not np.isfinite(states).all():
         return Solution(None, seconds, evaluations)
     n = case.chain.contacts
@@ -70,7 +77,10 @@ def solution_of(
 
 
 def _velocities(case: ChartCase, rate: Array) -> Array:
-    """Return the (n+1,) velocities from rates (n,), using the total momentum and the velocity of a wall."""
+    """Return the (n+1,) velocities of the beads from the (n,) rates of the overlaps.
+
+    The total momentum and the velocity of a wall provide the missing equation.
+    """
     mass = np.array(case.chain.mass)
     relative = from_anchor(rate, 0.0, 0)
     if case.chain.walls:
@@ -83,7 +93,7 @@ def _velocities(case: ChartCase, rate: Array) -> Array:
 
 @intrinsic
 def _pointer(typingctx: Any, address: Any) -> Any:
-    """Return an address as a pointer to a double."""
+    """Return an address as a pointer to a double-precision number."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
@@ -93,7 +103,7 @@ def _pointer(typingctx: Any, address: Any) -> Any:
 
 @njit(error_model="numpy")
 def contact_force(p: Any, i: int, overlap: float) -> float:
-    """Return the force of contact i at `overlap` [N]."""
+    """Return the force [N] of contact i at `overlap`."""
     if overlap <= 0.0:
         return 0.0
     exponent = p[2 + 3 * i + 2]
@@ -108,7 +118,10 @@ def contact_force(p: Any, i: int, overlap: float) -> float:
 
 @njit(error_model="numpy")
 def derivatives(y: Any, out: Any, p: Any) -> None:
-    """Compute d' = w, w' = -L f(d) through the bead accelerations; y and out (2n,); add 1 to the counter."""
+    """Compute the derivatives d' = w and w' = -L f(d) from the accelerations of the beads.
+
+    The arrays y and out have the shape (2n,). The counter is increased by 1.
+    """
     carray(_pointer(np.int64(p[1])), 1)[0] += 1.0
     n = int(p[0])
     left, before = 0.0, 0.0
