@@ -39,9 +39,8 @@ class KnownNumber:
         value: the number.
         source: origin of the number.
         find: function that computes the number with softcradle.
-        allowed: largest allowed difference. It is the last given digit or the tolerance, relative to `value` unless
-            that
-            is 0.
+        allowed: largest allowed difference, relative to `value` unless that is 0. It is the last digit given, or the
+            tolerance.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Sweeps: run a scene or a function at many points, measure each run, and keep the results on disk while computing.
+"""Sweeps compute a scene or a function at many points, measure each simulation, and store the results on disk.
 
 The points are computed on this machine or on a cluster.
 """

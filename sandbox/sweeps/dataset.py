@@ -1,6 +1,4 @@
-"""Dataset of a sweep: variables with dimensions and units, stored as Zarr or NetCDF, and a short summary of its
-content.
-"""
+"""Dataset of a sweep: variables with dimensions and units, stored as Zarr or NetCDF. This module can also summarise it."""
 
 from __future__ import annotations
 
@@ -23,13 +21,14 @@ if TYPE_CHECKING:
 
 ENGINES = {".zarr": "zarr", ".nc": "h5netcdf"}  # Storage engine of xarray for each file suffix.
 COMPRESSION = 4  # Compression level of numbers in NetCDF, from 1 to 9.
-NO_NUMBERS = (2, 3, 5, 6)  # Values of `status` of points that lack all numbers or those of the end of the run.
+# Values of `status` for points without numbers, or without the numbers of the end of the simulation.
+NO_NUMBERS = (2, 3, 5, 6)
 
 
 def dataset_of(
     columns: Mapping[str, NDArray[Any]], work: Work, units: Mapping[str, str], attributes: Mapping[str, str]
 ) -> xr.Dataset:
-    """Return the Dataset of all points. `units` are the units of the numbers that a function returns."""
+    """Return the Dataset of all points. The argument `units` contains the units of the numbers that a function returns."""
     import xarray as xr
 
     points, several = work.points, len(work.lanes) > 1
@@ -44,7 +43,7 @@ def dataset_of(
     variables = {}
     for name in dict.fromkeys((*known, *columns)):
         own, column = known.get(name), columns.get(name)
-        if column is None and own is not None:  # a measure that could not be taken at any point
+        if column is None and own is not None:  # This measure could not be computed at any point.
             inner[name] = _inner_dimensions(name, several + bool(own.each), own, several)
             sizes |= {key: length for key, length in work.lengths.items() if key in inner[name] and key not in sizes}
             if not sizes.keys() >= set(inner[name]):
@@ -72,7 +71,7 @@ OWN_COLUMNS: dict[str, dict[str, Any]] = {
         "long_name": "what became of the point",
         "flag_values": np.array(
             [status.value for status in PointStatus], dtype=np.int8
-        ),  # attributes for flags of the CF conventions
+        ),  # These are attributes for flags according to the CF conventions.
         "flag_meanings": " ".join(status.name.lower() for status in PointStatus),
     },
     WARNED: {"long_name": "number of warnings"},
@@ -81,7 +80,7 @@ OWN_COLUMNS: dict[str, dict[str, Any]] = {
 
 
 def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -> tuple[str, ...]:
-    """Return the names of the dimensions of a column in addition to the dimensions of the points."""
+    """Return the names of the dimensions that a column has in addition to the dimensions of the points."""
     first = ("lane",) * (own is not None and lanes)
     return first + tuple(
         own.each or f"{name}_item" if own else f"{name}_item{k or ''}" for k in range(count - len(first))
@@ -89,7 +88,10 @@ def _inner_dimensions(name: str, count: int, own: Measure | None, lanes: bool) -
 
 
 def _axis_coordinates(points: Points) -> dict[str, Any]:
-    """Return the coordinates of the varied parameters: along their own dimension in a grid, otherwise along the points."""
+    """Return the coordinates of the varied parameters.
+
+    In a grid, each parameter has its own dimension. Otherwise all parameters vary along the points.
+    """
     columns = points.columns(0, points.count) if points.design != "grid" else {}
     found = {}
     for axis in points.axes:
@@ -100,7 +102,7 @@ def _axis_coordinates(points: Points) -> dict[str, Any]:
 
 
 def checked_output(output: str | Path, points: Points) -> Path:
-    """Return the path of the output, with links resolved. Raise StudyError if the points cannot be written there."""
+    """Return the path of the output with links resolved. Raise StudyError if the points cannot be written to this path."""
     path = followed(Path(output))
     if path.suffix not in ENGINES:
         raise StudyError(f"the output of a sweep must end in {' or '.join(ENGINES)}, not {str(path)!r}")
@@ -123,7 +125,7 @@ def checked_output(output: str | Path, points: Points) -> Path:
 
 
 def write_dataset(found: xr.Dataset, path: Path) -> None:
-    """Write the Dataset completely or not at all, replacing an existing one. Raise OSError."""
+    """Write the Dataset completely or not at all. An existing Dataset is replaced. Raise OSError if writing fails."""
     if path.suffix == ".zarr":
         with output_folder(path, replaces=True) as temporary:
             # Other programs cannot read the texts of Zarr format 3.
@@ -136,8 +138,9 @@ def write_dataset(found: xr.Dataset, path: Path) -> None:
 
 
 def opened_dataset(path: Path, study: str) -> xr.Dataset:
-    """Open the Dataset in a file. Numbers are read only on access. Raise StudyError if the file belongs to another
-    study.
+    """Open the Dataset in a file. Its numbers are read only when they are used.
+
+    Raise StudyError if the file belongs to another study.
     """
     with needed_for("a sweep", "sweep"):
         import xarray as xr
@@ -154,7 +157,10 @@ def opened_dataset(path: Path, study: str) -> xr.Dataset:
 
 
 def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
-    """Return a row for each measure: name with unit, least, mean and greatest value, number of points without value."""
+    """Return one row for each measure.
+
+    It contains the name with unit, the least, mean and greatest value, and the number of points without value.
+    """
     rows = []
     for name, variable in found.drop_vars(RESERVED).data_vars.items():
         if variable.dtype.kind != "f":
@@ -169,8 +175,9 @@ def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
 
 
 def reasons_of(found: xr.Dataset) -> list[tuple[str, int]]:
-    """Return the reasons why points lack some or all numbers, with the number of points for each, the most frequent one
-    first.
+    """Return the reasons why points lack some or all numbers, with the number of points for each reason.
+
+    The most frequent reason is first.
     """
     status, texts = found["status"].to_numpy(), found["reason"].to_numpy()
     without = np.isin(status, NO_NUMBERS) | ((status <= PointStatus.SEPARATED) & (texts != ""))
@@ -178,5 +185,5 @@ def reasons_of(found: xr.Dataset) -> list[tuple[str, int]]:
 
 
 def lost_points(found: xr.Dataset) -> int:
-    """Return the number of points at which the process died in every attempt."""
+    """Return the number of points that are lost because the process died in every attempt."""
     return int((found["status"].to_numpy() == PointStatus.LOST).sum())

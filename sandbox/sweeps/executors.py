@@ -1,4 +1,4 @@
-"""Executors that compute the chunks of a sweep: this thread, threads, processes, or workers of a Dask scheduler."""
+"""Executors that compute the chunks of a sweep in this thread, in threads, in processes, or with a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -35,21 +35,23 @@ if TYPE_CHECKING:
     from distributed import Client
 
 LOGGER = logging.getLogger("softcradle")
-# Chunks per worker that are submitted at once: one is being computed, one waits.
+# Number of chunks that are submitted at once for each worker. One chunk is being computed, and one waits.
 QUEUED = 2
-# Assumed number of workers of a caller's executor that does not report its number.
+# Number of workers that is assumed if the executor of a caller does not report it.
 MANY = 256
-# Time to wait for the scheduler [s].
+# Longest time to wait for an answer of the scheduler [s].
 CONNECT = 15.0
-# Time between two checks of the scheduler and of the parent process [s].
+# Time between two checks that the scheduler and the parent process still exist [s].
 LOOK = 1.0
 # Time without a finished chunk after which a warning is logged [s].
 SILENCE = 60.0
-# Chunks per worker into which the remaining points are cut, so that all workers end at about the same time.
+# At the end of a sweep, the remaining points are divided into this number of chunks per worker. All workers then end at
+# about the same time.
 LAST_SHARES = 4
-# Smallest computing time of these chunks, as a fraction of the wanted time of a chunk. Writing a chunk takes 10 ms.
+# Smallest computing time of the chunks at the end of a sweep, as a fraction of the wanted time of a chunk. Writing a
+# chunk takes 10 ms.
 LEAST_SHARE = 0.1
-# Number of processes that may die while they compute a single point, until the point is given up.
+# Number of processes that may die while they compute a single point. Then the point is given up.
 MOST_DEATHS = 3
 
 Where = Literal["auto", "here", "threads", "processes"]
@@ -58,16 +60,16 @@ PointRange = tuple[int, int]
 
 @dataclass
 class Workplace:
-    """Executor with the function that computes a chunk from (begin, end, seconds).
+    """Executor with a function that computes a chunk from the arguments begin, end and seconds.
 
     Attributes:
         call: function that the executor runs.
-        make: creates the executor, also after it broke. It raises StudyError if that is impossible.
+        make: creates the executor, also after a failure. It raises StudyError if that is impossible.
         room: returns the number of chunks that the executor can hold at once. It raises StudyError if the executor is
             lost.
-        close: shuts the executor down and ends running work if the second argument, `stopped`, is True.
-        killed: errors of a chunk whose process died.
-        gone: errors of a chunk whose executor no longer exists.
+        close: shuts the executor down. If the second argument `stopped` is True, it also ends running work.
+        killed: errors that mean that the process of a chunk died.
+        gone: errors that mean that the executor of a chunk no longer exists.
     """
 
     call: Callable[[int, int, float], Chunk]
@@ -91,7 +93,7 @@ class _Caller(Executor):
 
 
 def here(work: Work) -> Workplace:
-    """Return a workplace in this process and thread, which computes one chunk at a time."""
+    """Return a workplace that computes one chunk at a time in this thread."""
     return Workplace(work.compute, _Caller, lambda: 1)
 
 
@@ -109,11 +111,12 @@ def processes(work: Work, workers: int) -> Workplace:
         sent = cloudpickle.dumps(work)
     except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
         raise StudyError(f"other processes cannot compute this: {error}") from None
-    # This thread starts the processes. They inherit its blocked signals, so Ctrl+C cannot interrupt a half-started one.
+    # This thread starts the processes. They inherit its blocked signals, so Ctrl+C cannot interrupt a half-started
+    # process.
     starter = ThreadPoolExecutor(1, initializer=_block_interruptions)
 
     class Processes(loky.ProcessPoolExecutor):  # type: ignore[misc]
-        """Processes that only the thread `starter` starts."""
+        """Pool of processes that are started only by the thread `starter`."""
 
         def submit(self, function: Callable[..., Any], /, *args: Any, **keywords: Any) -> Future[Any]:
             return starter.submit(super().submit, function, *args, **keywords).result()
@@ -133,11 +136,14 @@ def _block_interruptions() -> None:
 
 
 def _begin_worker(parent: int) -> None:
-    """Initialise a worker process: ignore Ctrl+C, and exit when the parent process ends, even if it was killed."""
+    """Prepare a worker process. It ignores Ctrl+C, and exits when the parent process ends, even if the parent was
+    killed.
+    """
     from loky import process_executor
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # for platforms that do not block the signal
-    # loky would replace a process whose memory grows by 100 MB, which the first use of compiled kernels does.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # This call is needed on platforms that do not block the signal.
+    # Without this setting, loky would replace a process whose memory grows by 100 MB. The first use of compiled kernels
+    # does that.
     process_executor._MEMORY_LEAK_CHECK_DELAY = float("inf")
 
     def end_with_parent() -> None:
@@ -154,13 +160,16 @@ def _compute_sent(sent: bytes, begin: int, end: int, seconds: float) -> Chunk:
 
 @lru_cache(maxsize=4)
 def _received(sent: bytes) -> Work:
-    """Unpickle the work once per process, because it caches what it derives from its scene."""
+    """Unpickle the work once in each process. The work caches data that it derives from its scene."""
     work: Work = pickle.loads(sent)
     return work
 
 
 def _of_caller(work: Work, executor: Executor, workers: int | None) -> Workplace:
-    """Return a workplace with an executor of the caller. It stays open at the end and cannot be replaced if it breaks."""
+    """Return a workplace with an executor that the caller provides.
+
+    The executor stays open at the end, and cannot be replaced if it breaks.
+    """
     given = [executor]
     # The executor may use other machines, so the cores of this machine do not matter.
     count = workers or getattr(executor, "_max_workers", None) or MANY
@@ -174,10 +183,10 @@ def _of_caller(work: Work, executor: Executor, workers: int | None) -> Workplace
 
 
 def dask(work: Work, scheduler: str | Client) -> Workplace:
-    """Return a workplace of the workers of a Dask scheduler, on this machine or on many.
+    """Return a workplace of the workers of a Dask scheduler, on this machine or on many machines.
 
-    Raise StudyError if no scheduler answers at the address, such as "tcp://127.0.0.1:8786". Its `room` raises
-    StudyError if the scheduler is lost later.
+    Raise StudyError if no scheduler answers at the address, such as "tcp://127.0.0.1:8786". The `room` of the workplace
+    raises StudyError if the scheduler is lost later.
     """
     with needed_for("a sweep on Dask", "dask"):
         import cloudpickle
@@ -188,11 +197,12 @@ def dask(work: Work, scheduler: str | Client) -> Workplace:
     def room() -> int:
         with suppress(*gone):
             if client.status == "running":
-                return max(1, QUEUED * sum(client.nthreads().values()))  # The number of workers may change.
+                # The number is read again because workers can join and leave.
+                return max(1, QUEUED * sum(client.nthreads().values()))
         raise StudyError(f"lost the scheduler at {address}")
 
     def close(executor: Executor, _: bool) -> None:
-        with suppress(Exception, CancelledError):  # The scheduler may be gone.
+        with suppress(Exception, CancelledError):  # The scheduler may no longer exist.
             if client.status == "running":
                 executor.shutdown(wait=False)
             if client is not scheduler:
@@ -207,9 +217,11 @@ def _connected(address: str) -> Any:
     from distributed.comm.addressing import resolve_address
 
     for name in ("distributed", "distributed.client", "tornado.application", "asyncio"):
-        logging.getLogger(name).setLevel(logging.CRITICAL + 1)  # Failures are reported in our own messages.
+        # Dask's messages are suppressed because failures are reported in our own messages.
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
-        # Checked here, because Client would reject an invalid address only when half constructed, and end late.
+        # The address is checked before Client uses it. Client would reject an invalid address only when half
+        # constructed, and end late.
         resolve_address(address)
         return distributed.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, TimeoutError):
@@ -222,8 +234,9 @@ def _connected(address: str) -> Any:
 def place_of(
     work: Work, executor: Executor | Where, scheduler: str | Client | None, workers: int | None
 ) -> Workplace | None:
-    """Return the requested workplace, or None for "auto". It is made before any work, so that a wrong address is
-    reported at once.
+    """Return the requested workplace, or None for "auto".
+
+    The workplace is created before any work starts, so a wrong address is reported at once.
     """
     if scheduler is not None and executor != "auto":
         raise StudyError("a sweep takes an executor or a scheduler, not both")
@@ -244,7 +257,10 @@ def place_of(
 
 
 def processes_or_threads(work: Work, workers: int | None) -> Workplace:
-    """Return processes on this machine, or threads with a logged reason if the work cannot be sent to processes."""
+    """Return a workplace of processes on this machine.
+
+    If the work cannot be sent to processes, return a workplace of threads and log the reason.
+    """
     try:
         return processes(work, workers or cores())
     except StudyError as error:
@@ -253,15 +269,16 @@ def processes_or_threads(work: Work, workers: int | None) -> Workplace:
 
 
 class ChunkSchedule:
-    """Points that remain to be computed.
+    """Schedule of the points that remain to be computed.
 
-    If a process dies, each of its chunks becomes a suspect. Suspects run one after the other, and a deadly one is halved
-    until its deadly point is found.
+    If a process dies, all of its chunks become suspects. Suspects are computed one after the other. If a suspect kills
+    its process again, it is halved until the deadly point is found.
 
     Arguments:
         missing: ranges of points to compute.
         take: called with each computed chunk.
-        seconds: time limit of a chunk [s]. After it, the chunk comes back incomplete and its remaining points are
+        seconds: time limit of a chunk [s]. After this time the chunk is returned incomplete, and its remaining points
+            are
             submitted again.
     """
 
@@ -270,7 +287,8 @@ class ChunkSchedule:
         self._take, self._seconds = take, seconds
         self._handed: dict[Future[Chunk], PointRange] = {}
         self._deaths, self._broken = Counter[int](), False
-        # Time per point of the fastest chunk [s]. Other load on the machine can only increase the time.
+        # Time per point in the fastest chunk [s]. The minimum is used because other load on the machine only increases
+        # the time.
         self._pace = float("inf")
         self.left = sum(end - begin for begin, end in self._todo)
 
@@ -280,7 +298,7 @@ class ChunkSchedule:
         return self.left * self._pace if self.left else 0.0
 
     def run(self, place: Workplace, budget: float = float("inf")) -> None:
-        """Compute all remaining points in `place`, or as many as fit into about `budget` seconds."""
+        """Compute all remaining points in `place`, or the points that take about `budget` seconds."""
         until, heard = perf_counter() + budget, perf_counter()
         while self._handed or self._killed or ((self._todo or self._suspects) and perf_counter() < until):
             if not self._handed:
@@ -306,7 +324,7 @@ class ChunkSchedule:
                     self._todo.appendleft((begin, end))
 
     def _hand_out(self, place: Workplace, until: float) -> None:
-        """Submit as many chunks as there is room for, or one suspect."""
+        """Submit chunks until the executor has no room for more, or submit a single suspect."""
         room, waiting, share = place.room(), self._todo, self.left
         if self._suspects:
             room, waiting = 1, self._suspects
@@ -324,7 +342,7 @@ class ChunkSchedule:
                 waiting.appendleft((last, end))
 
     def _keep(self, chunk: Chunk, end: int) -> None:
-        """Pass on a computed chunk, and schedule the points that it did not reach."""
+        """Pass a computed chunk on, and schedule the points that the chunk does not contain."""
         self._take(chunk)
         if chunk.end < end:
             self._todo.appendleft((chunk.end, end))
@@ -332,8 +350,9 @@ class ChunkSchedule:
         self.left -= chunk.count
 
     def _suspect(self) -> None:
-        """Schedule the chunks whose process died. A chunk that was computed alone is halved, and a single point is tried
-        up to three times.
+        """Schedule the chunks whose process died.
+
+        A chunk that was computed alone is halved. A single point is tried up to three times.
         """
         alone = len(self._killed) == 1
         if len(self._killed) > 1:

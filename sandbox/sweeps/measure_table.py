@@ -1,4 +1,6 @@
-"""Table of measures: every number that a sweep can take from a run, with its name, unit and meaning."""
+"""Table of measures. A measure is a number that a sweep computes from a simulation. It has a name, a unit and a
+meaning.
+"""
 
 from __future__ import annotations
 
@@ -27,11 +29,11 @@ Value = float | int | None | Sequence[Any] | np.ndarray[Any, Any]
 
 
 class Run:
-    """One lane at one point, with its runs. Each run is computed when a measure first needs it.
+    """Simulations of one lane at one point. Each simulation is computed when a measure first needs it.
 
     Arguments:
-        start: chain, start velocities and settings of the run.
-        motion: its Trajectory or the end of its run, if already known.
+        start: chain, start velocities and settings.
+        motion: Trajectory or final state of the simulation, if already known.
     """
 
     def __init__(self, start: LaneStart, motion: Trajectory | RunEnd | None = None) -> None:
@@ -41,7 +43,7 @@ class Run:
 
     @cached_property
     def motion(self) -> Trajectory:
-        """Trajectory of the whole run, with its start and its end as the only samples."""
+        """Trajectory of the whole motion. Its only samples are the start and the end."""
         return solve(self.start.chain, self.start.velocity, samples=2, **self.start.settings)
 
     @cached_property
@@ -51,7 +53,9 @@ class Run:
 
     @cached_property
     def detachment(self) -> float:
-        """Time [s] of the last opening of the struck contact; NaN if it does not open or if the run gave up before."""
+        """Time [s] of the last opening of the struck contact; NaN if it does not open, or if the simulation gave up
+        earlier.
+        """
         spans = self.motion.contact_intervals[self.struck]
         return spans[-1][1] if spans and math.isfinite(spans[-1][1]) else math.nan
 
@@ -66,13 +70,13 @@ class Run:
 
     @property
     def contact_time(self) -> float:
-        """Time [s] during which the struck contact was closed; NaN if it does not open for good."""
+        """Time [s] for which the struck contact was closed; NaN if it does not finally open."""
         spans = self.motion.contact_intervals[self.struck]
         return math.nan if math.isnan(self.detachment) else sum(opened - closed for closed, opened in spans)
 
     @cached_property
     def detached(self) -> Trajectory | None:
-        """Trajectory up to the detachment; None if there is no detachment."""
+        """Trajectory up to the detachment of the striker; None if there is no detachment."""
         if math.isnan(self.detachment):
             return None
         settings = {**self.start.settings, "duration": self.detachment}
@@ -80,33 +84,34 @@ class Run:
 
     @cached_property
     def collision(self) -> CollisionMeasures:
-        """All measures of the collision, from a run with fine samples."""
-        # Without a collision, this raises an error before the runs rather than after them.
+        """All measures of the collision, computed from a simulation with many samples."""
+        # If there is no collision, this call raises an error before the simulations and not after them.
         struck_contact(self.start.velocity)
         found = collide(self.start.chain, self.start.velocity, run=solve, **self.start.settings)
         self.sampled = found
         return measured(found)
 
     def runs(self) -> list[Trajectory]:
-        """Return all runs that have been computed."""
+        """Return all simulations that have been computed so far."""
         found = [self.__dict__.get(name) for name in ("motion", "detached", "opened", "sampled")]
         return [run for run in found if run is not None]
 
     @property
     def status(self) -> Status:
-        """The worst status of the computed runs."""
+        """Worst status of the simulations that have been computed so far."""
         return max((run.status for run in self.runs()), default=Status.DONE)
 
     def spread(self, run: Trajectory | None) -> float:
-        """Return the rigidity of the struck cluster at the end of `run`, or NaN if it is unknown."""
+        """Return the rigidity of the struck cluster at the end of the simulation `run`, or NaN if it is unknown."""
         beads = target_beads(self.start.chain, self.struck)
         known = run is not None and not run.status.gave_up and beads.size > 0
         return float(rigidity(run.final_velocity[beads])) if run is not None and known else math.nan
 
 
 class RunEnd(NamedTuple):
-    """End of a run that was computed together with other chains of the same shape. The field names are those of
-    Trajectory.
+    """Final state of a simulation that was computed together with other chains of the same shape.
+
+    The names of the fields are those of Trajectory.
     """
 
     final_velocity: Array
@@ -119,9 +124,10 @@ class RunEnd(NamedTuple):
 
 
 def ends_of(starts: Sequence[LaneStart], workers: int | None = 1) -> list[RunEnd]:
-    """Compute the ends of runs whose chains have one shape and the same settings. The results are bitwise equal to `solve`.
+    """Compute the final states of chains that have the same shape and settings.
 
-    `workers` is the number of threads, None for one a core. Raise ValueError if these runs cannot be computed together.
+    The results are bitwise equal to `solve`. The number of threads is `workers`; None means one for each core. Raise
+    ValueError if the chains cannot be computed together.
     """
     from softcradle.physics.batch.chain_batch import ChainBatch
     from softcradle.physics.batch.ends import ensemble_ends
@@ -140,7 +146,7 @@ def ends_of(starts: Sequence[LaneStart], workers: int | None = 1) -> list[RunEnd
 
 @dataclass(frozen=True)
 class Measure:
-    """Measure of a run.
+    """Number, or list of numbers, that is computed from a simulation.
 
     Attributes
     ----------
@@ -153,7 +159,7 @@ class Measure:
     each : str
         "bead" or "contact" if the measure has one value for each of them, otherwise "".
     function : callable
-        Returns the value for a Run; None means NaN.
+        Function that returns the value for a Run; None means NaN.
     """
 
     name: str
@@ -168,7 +174,7 @@ def _of_contacts(name: str) -> Callable[[Run], Value]:
 
 
 def _missing(name: str) -> Callable[[Run], Value]:
-    """Return the function for the share of a quantity of the beads that is missing at the last opening of any contact."""
+    """Return a function that computes which share of a quantity of the beads is missing when the last contact opens."""
 
     def share(run: Run) -> float:
         if run.opened is None:
@@ -179,8 +185,8 @@ def _missing(name: str) -> Callable[[Run], Value]:
     return share
 
 
-# Cheap measures. Most need only the run to its end, the last one a second run. The other measures need a run with fine
-# samples.
+# Measures that take little time. Most of them need only one simulation without samples, and the last one needs a
+# second. All other measures need a simulation with many samples.
 CHEAP = (
     Measure("final_velocity", "m/s", "velocity at the end", "bead", lambda run: run.motion.final_velocity),
     Measure("velocity_error", "m/s", "estimated error of final_velocity", "bead", lambda run: run.motion.velocity_error),
@@ -202,7 +208,7 @@ CHEAP = (
 
 
 def _collision_measures() -> tuple[Measure, ...]:
-    """Return the measures of a collision, and those of each contact as ``contact_...``."""
+    """Return the measures of a collision. Names of measures of each contact begin with ``contact_``."""
     known = {measure.name for measure in CHEAP}
     whole = [item for item in fields(CollisionMeasures) if item.metadata and item.name not in known]
     return (
@@ -224,7 +230,7 @@ MEASURE_BY_NAME = {measure.name: measure for measure in MEASURES}
 
 
 def find_measure(name: str) -> Measure:
-    """Return the measure `name`. Raise StudyError if it does not exist."""
+    """Return the measure called `name`. Raise StudyError if it does not exist."""
     if name not in MEASURE_BY_NAME:
         raise StudyError(f"there is no measure {name!r}{suggestion(name, MEASURE_BY_NAME)}")
     return MEASURE_BY_NAME[name]

@@ -1,5 +1,6 @@
-"""`sweep`: compute a scene or a function at many points, on this machine or on many. Points on disk are not computed
-again.
+"""The function `sweep`, which computes a scene or a function at many points on one machine or on many.
+
+Points that are stored on disk are not computed again.
 """
 
 from __future__ import annotations
@@ -56,10 +57,11 @@ if TYPE_CHECKING:
     from softcradle.scenes import Scene
 
 LOGGER = logging.getLogger("softcradle")
-TRIED_HERE = 0.3  # Time for which "auto" first computes points in this process, to learn their cost [s].
-# Amount of remaining work from which "auto" starts other processes [s]. With less work their start takes too long.
+TRIED_HERE = 0.3  # Time for which "auto" first computes points in this process to measure the time per point [s].
+# Remaining computing time from which on "auto" starts other processes [s]. With less work, the start of processes takes
+# longer than the work.
 WORTH_PROCESSES = 3.0
-# All studies are in this folder. If one of its files changes, stored points count as points of another study.
+# Folder that contains all studies. If one of its files changes, stored points count as points of another study.
 SANDBOX = Path(__file__).parent.parent
 
 Progress = Callable[[str, int, int], None]
@@ -176,11 +178,10 @@ def sweep_status(
     output: str | Path,
     title: str = "",
 ) -> tuple[int, str]:
-    """Return how many points of a complete sweep are lost, and a sentence about the progress of the sweep with these
-    arguments.
+    """Return the number of lost points of a complete sweep, and a sentence about the progress of the sweep.
 
-    A point is lost if the process that computed it died in every attempt. Nothing is computed. See `sweep` for the
-    arguments. Raise StudyError.
+    A point is lost if the process that computed it died in every attempt. This function does not compute any point. Its
+    arguments are those of `sweep`. Raise StudyError if they are invalid.
     """
     points = over if isinstance(over, Points) else grid(over)
     path = checked_output(output, points)
@@ -249,7 +250,7 @@ def map_points(
 
 
 def drop_kept(kept: Path) -> None:
-    """Delete the points that `map_points` kept."""
+    """Delete the points that `map_points` has stored in the folder of `kept`."""
     shutil.rmtree(partial_folder(kept), ignore_errors=True)
 
 
@@ -269,7 +270,7 @@ def _refuse_broken(chunk: Chunk, points: Points) -> None:
 
 
 def _untold(what: str, done: int, count: int) -> None:
-    """Ignore the progress."""
+    """Do nothing. This function replaces a missing `progress`."""
 
 
 def _compute_missing(
@@ -284,8 +285,8 @@ def _compute_missing(
 ) -> None:
     """Compute all points that are not stored.
 
-    If `place` is None and all points cost `alike`, the first ones are computed in this thread to estimate the total
-    time.
+    If `place` is None and all points take about the same time, the first points are computed in this thread. Their time
+    predicts the total time.
     """
     count = work.points.count
 
@@ -300,7 +301,8 @@ def _compute_missing(
     schedule = ChunkSchedule(store.missing(), keep, chunk_seconds)
     stopped = True
     try:
-        # If an earlier process was killed, the first point may have killed it, so it is not computed in this process.
+        # If an earlier process was killed, the first point may be the cause. It is therefore not computed in this
+        # process.
         if place is None and alike and not store.begun:
             schedule.run(here(work), TRIED_HERE)
             if schedule.seconds_left < WORTH_PROCESSES:

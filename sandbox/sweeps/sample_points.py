@@ -17,16 +17,16 @@ Scale = Literal["linear", "log", "whole"]
 Design = Literal["grid", "list", "sobol", "latin_hypercube"]
 
 MOST_POINTS = 2**30  # Largest number of points. A Dataset then has 8 GB for each measure.
-# Largest number of sampled coordinates, or of values of one parameter. They are held in memory: 128 MB in every
+# Largest number of sampled coordinates, or of values of one parameter. They are held in memory and take 128 MB in every
 # process.
 MOST_SAMPLED = 2**24
 MOST_WHOLE = 2**53  # Whole numbers up to this size are exact as floats.
-SOBOL_BITS = 30  # Number of bits of the Sobol sequence, with which 2**30 points differ.
+SOBOL_BITS = 30  # Number of bits of the Sobol sequence. With this number, 2**30 points differ from each other.
 
 
 @dataclass(frozen=True)
 class Axis:
-    """Parameter that varies.
+    """Parameter that varies in a sweep.
 
     Attributes
     ----------
@@ -59,20 +59,22 @@ class Axis:
 
     @cached_property
     def array(self) -> NDArray[Any]:
-        """The values as an array of booleans, whole numbers or floats if all values allow it, otherwise of objects."""
+        """Values as an array. Its type is boolean, whole number or float if all values allow it, otherwise object."""
         kinds = kinds_of(self.values)
         known = ({bool}, np.bool_), ({int}, np.int64), ({int, float}, np.float64)
         return np.array(self.values, dtype=next((own for of, own in known if kinds <= of), object))
 
     @cached_property
     def given(self) -> NDArray[Any]:
-        """The values with their original types. Whole numbers stay whole among floats, whereas `array` converts them to
+        """Values with their original types.
+
+        Whole numbers stay whole if there are floats among the values. The property `array` converts such numbers to
         floats.
         """
         return np.array(self.values, object) if kinds_of(self.values) == {int, float} else self.array
 
     def between(self, unit: Array) -> NDArray[Any]:
-        """Return the samples for (N,) numbers `unit` from 0 to 1.
+        """Return (N,) samples of the parameter for the numbers `unit` (N,) from 0 to 1.
 
         Each sample is computed separately, so it does not depend on N.
         """
@@ -90,7 +92,7 @@ class Axis:
 
 
 def kinds_of(values: Sequence[Any]) -> set[type]:
-    """Return the types of `values`: bool, int, float, str, and other types among them."""
+    """Return the set of types of `values`, such as bool, int, float and str."""
     return {
         next((kind for kind in (bool, int, float, str) if isinstance(value, kind)), type(value)) for value in values
     }
@@ -98,12 +100,12 @@ def kinds_of(values: Sequence[Any]) -> set[type]:
 
 @dataclass(frozen=True)
 class Points:
-    """All points of a sweep, which are numbered.
+    """All points of a sweep. The points are numbered.
 
     Attributes:
         design: "grid" (every combination), "list" (point k has the k-th value of each axis), "sobol" or
             "latin_hypercube".
-        axes: the varied parameters; in a grid the last one varies fastest.
+        axes: the varied parameters. In a grid the last parameter varies fastest.
         count: number of points.
         seed: seed of the samples.
     """
@@ -126,7 +128,7 @@ class Points:
     def columns(self, begin: int, end: int, given: bool = False) -> dict[str, NDArray[Any]]:
         """Return the values of every axis, by path, at the points from `begin` up to `end`.
 
-        With `given` they keep their original types; otherwise all values of an axis have one type.
+        If `given` is True, the values keep their original types. Otherwise all values of an axis have one type.
         """
         arrays = [axis.given if given else axis.array for axis in self.axes]
         if self.design == "grid":
@@ -138,8 +140,8 @@ class Points:
         return {axis.path: axis.between(unit[:, k]) for k, axis in enumerate(self.axes)}
 
     def rows(self, begin: int, end: int, block: int) -> Iterator[dict[str, Any]]:
-        """Yield the values of every axis, by path, for one point after the other. They are computed in blocks of
-        `block` points.
+        """Yield the values of every axis, by path, for each point in turn. The values are computed in blocks of `block`
+        points.
         """
         for first in range(begin, end, block):
             found = self.columns(first, min(first + block, end), given=True)
@@ -148,15 +150,15 @@ class Points:
 
 
 def grid(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:
-    """Return the points of every combination of values; `axes` is ``{path: values}`` or a list of Axis."""
+    """Return the points of every combination of values. The argument `axes` is ``{path: values}`` or a list of Axis."""
     found = _valued(axes)
     return _checked(Points("grid", found, math.prod(len(axis.values) for axis in found)))
 
 
 def listed(axes: Mapping[str, Any] | Sequence[Axis]) -> Points:
-    """Return the points of a list: point k has the k-th value of each axis.
+    """Return the points of a list, in which point k has the k-th value of each axis.
 
-    `axes` is ``{path: values}`` with lists of one length, or a list of Axis.
+    `axes` is ``{path: values}`` with lists of equal length, or a list of Axis.
     """
     found = _valued(axes)
     lengths = {axis.coordinate: len(axis.values) for axis in found}
@@ -175,8 +177,9 @@ def sobol(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -
 
 
 def latin_hypercube(axes: Mapping[str, Any] | Sequence[Axis], count: int, seed: int = 0) -> Points:
-    """Return `count` points of a Latin hypercube: each of `count` equal parts of every axis contains one. `axes` is as
-    for `sobol`.
+    """Return `count` points of a Latin hypercube. Each of `count` equal parts of every axis contains one point.
+
+    The argument `axes` has the same form as for `sobol`.
     """
     return _sampled("latin_hypercube", axes, count, seed)
 
@@ -268,5 +271,6 @@ def _unit_rows(design: Design, dimensions: int, count: int, seed: int) -> Array:
     if design == "latin_hypercube":
         return np.asarray(qmc.LatinHypercube(dimensions, rng=random).random(count))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # SciPy warns if the number of points is not a power of 2.
+        # The warning of SciPy about numbers of points that are not a power of 2 is suppressed.
+        warnings.simplefilter("ignore")
         return np.asarray(qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=random).random(count))

@@ -1,5 +1,5 @@
-"""Insertion of the values of a point into a scene: numbers at dotted paths such as `lanes.0.contact.alpha` are
-replaced.
+"""Insertion of the values of a point into a scene. Values replace the numbers at dotted paths, such as
+`lanes.0.contact.alpha`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,17 +15,17 @@ from softcradle.scenes.scene_errors import SceneError, scene_error
 from softcradle.scenes.scene_schema import strikers_at
 from softcradle.scenes.toml_table import suggestion
 
-ONE_OR_MANY = ("mass", "contact", "gap")  # Fields of a lane that may be one value for all beads or contacts.
-LENGTHS = ("beads",)  # Fields that determine the lengths of the lists of a lane.
+ONE_OR_MANY = ("mass", "contact", "gap")  # Fields of a lane that can contain one value for all beads or contacts.
+LENGTHS = ("beads",)  # Fields that determine the lengths of the lists in a lane.
 EVERY = "*"  # Key of a path that stands for every item of a list.
 KEPT = 64  # Largest number of cached scenes with different beads, contact laws or methods.
 
-Change = Callable[[Mapping[str, Any]], Any]  # maps the values of a point, by path, to a scene or a part of it
-Moving = tuple[Sequence[Lane], Mapping[str, Any]]  # lanes of a scene, and its keywords of `simulate`
+Change = Callable[[Mapping[str, Any]], Any]  # Maps the values of a point, by path, to a scene or a part of a scene.
+Moving = tuple[Sequence[Lane], Mapping[str, Any]]  # Lanes of a scene, and its keyword arguments of `simulate`.
 
 
 class LaneStart(NamedTuple):
-    """Chain, start velocities of its beads, and keywords of `simulate`."""
+    """Chain, start velocities of its beads, and keyword arguments of `simulate`."""
 
     chain: Chain
     velocity: Any
@@ -34,7 +34,7 @@ class LaneStart(NamedTuple):
 
 @dataclass
 class ScenePoints:
-    """Scene with varying numbers.
+    """Scene in which some numbers vary from point to point.
 
     Attributes:
         scene: the scene; all of its lanes are simulated.
@@ -46,16 +46,19 @@ class ScenePoints:
     )
 
     def __getstate__(self) -> Scene:
-        """Return the scene. The functions that were derived from it cannot be pickled and are derived again."""
+        """Return the scene for pickling.
+
+        Functions that were derived from the scene cannot be pickled. They are derived again after unpickling.
+        """
         return self.scene
 
     def __setstate__(self, scene: Scene) -> None:
         self.scene, self._moving = scene, {}
 
     def starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
-        """Return the start of each lane at a point. Raise ValueError if the values are invalid."""
+        """Return the initial state of each lane at a point. Raise ValueError if the values are invalid."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
-        # 4 and 4.0 are equal as keys, but only 4 is a valid number of beads.
+        # The types are part of the key. 4 and 4.0 are equal as keys, but only 4 is a valid number of beads.
         kinds = tuple(map(type, structure.values()))
         paths = tuple(path for path in values if path not in structure)
         key = (*structure.items(), kinds, paths)
@@ -66,25 +69,25 @@ class ScenePoints:
         try:
             lanes, settings = self._moving[key](values)
         except ValidationError:
-            self.checked(values)  # raises the same error message as for a file
+            self.checked(values)  # This raises the same error message as for a file.
             raise
         return [LaneStart(lane.chain(), lane.velocity, settings) for lane in lanes]
 
     def checked(self, values: Mapping[str, Any]) -> Scene:
-        """Return the scene at a point, checked like a scene file. Raise SceneError."""
+        """Return the scene at a point, after the same checks as for a scene file. Raise SceneError if a check fails."""
         structure = {path: value for path, value in values.items() if is_structure(path, value)}
         numbers = {path: value for path, value in values.items() if path not in structure}
         return changed(self._base(structure), numbers)
 
     def _base(self, structure: Mapping[str, Any]) -> Scene:
-        """Return the checked scene with other numbers of beads or other texts."""
+        """Return the checked scene with new numbers of beads or new texts."""
         return changed(self.scene, structure) if structure else self.scene
 
 
 def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any]], Moving]:
     """Return a function that maps the numbers at `paths` to the lanes and settings of the scene.
 
-    It is built once for all points that share everything else.
+    The function is built once for all points that differ only in these numbers.
     """
     places = [(path.split("."), path) for path in paths]
     lanes = change_of(scene.lanes, [(keys[1:], path) for keys, path in places if keys[0] == "lanes"], True)
@@ -98,17 +101,17 @@ def _moving_at(scene: Scene, paths: Sequence[str]) -> Callable[[Mapping[str, Any
 
 
 def is_structure(path: str, value: Any) -> bool:
-    """Return True if the value changes the structure of the scene. Such a scene is checked as a whole, like a file.
+    """Return True if the value changes the structure of the scene. Such a scene is checked completely, like a file.
 
-    For other numbers it is sufficient to check their own fields.
+    For any other value it is sufficient to check its own field.
     """
     return not isinstance(value, (int, float, np.number)) or any(part in LENGTHS for part in path.split("."))
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """Return the scene with the values at their paths, checked like a scene file. Raise SceneError.
+    """Return the scene with the values at their paths, after the same checks as for a scene file.
 
-    Values that change the structure are inserted first.
+    Values that change the structure are inserted first. Raise SceneError if a check fails.
     """
     structure = [path for path, value in values.items() if is_structure(path, value)]
     found = scene
@@ -127,10 +130,10 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
 
 
 def _spread_anew(lane: Lane, before: Lane) -> Lane:
-    """Return `lane` with velocities for its new numbers of beads. `before` is the lane with the old numbers.
+    """Return `lane` with velocities for its new numbers of beads. The lane `before` has the old numbers.
 
-    The velocities change only if all strikers had one velocity and all targets were at rest. The new strikers get the
-    same velocity, and the new targets are at rest.
+    The velocities change only if all strikers had one velocity and all targets were at rest. The new strikers then get
+    this velocity, and the new targets are at rest.
     """
     velocity, clusters = lane.velocity, before.beads
     if lane.beads == clusters or not (isinstance(velocity, tuple) and isinstance(clusters, tuple)):
@@ -142,20 +145,21 @@ def _spread_anew(lane: Lane, before: Lane) -> Lane:
 
 
 def _spread(speed: Any, beads: Any) -> Any:
-    """Return the velocities of [strikers, targets] with this speed of the strikers.
+    """Return the velocities of all beads if the strikers have the speed `speed`. `beads` is [strikers, targets].
 
-    For any other value of `beads`, return the speed itself, which the check of the scene then rejects, as in a file.
+    For any other value of `beads`, return `speed` itself. The check of the scene then rejects it, as in a file.
     """
     pair = isinstance(beads, (list, tuple)) and len(beads) == 2
     return strikers_at(speed, beads) if pair else speed
 
 
 def change_of(item: Any, places: Sequence[tuple[list[str], str]], check: bool = False) -> Change:
-    """Return a function that maps the values of a point to a copy of `item` with the value of each path at its keys.
+    """Return a function that maps the values of a point to a changed copy of `item`.
 
-    If two paths have the same keys, the last one wins. Tables and lists along a path are copied, and `item` stays
-    unchanged. Everything that does not depend on the values is resolved once. Raise SceneError if a path does not
-    exist. With `check`, the function raises ValidationError if a field rejects its new value.
+    The function inserts the value of each path at the keys of the path. If two paths have the same keys, the last one
+    wins. Tables and lists along a path are copied, and `item` stays unchanged. Everything that does not depend on the
+    values is resolved once. Raise SceneError if a path does not exist. With `check`, the function raises
+    ValidationError if a field rejects its new value.
     """
     if not places:
         return lambda _: item
@@ -198,21 +202,21 @@ def _checked_change(table: type[BaseModel], key: str, change: Change) -> Change:
 
 @cache
 def _field_of(table: type[BaseModel], key: str) -> TypeAdapter[Any]:
-    """Return a validator for one field of a table, which works without the rest of the table."""
+    """Return a validator for one field of a table. It works without the rest of the table."""
     field = table.model_fields[key]
     kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(field.annotation, type) and issubclass(
         field.annotation, BaseModel
-    ):  # A table has its own configuration.
+    ):  # A table is excluded because it has its own configuration.
         return TypeAdapter(kind)
     return TypeAdapter(kind, config=ConfigDict(allow_inf_nan=table.model_config.get("allow_inf_nan", True)))
 
 
 def _change_of_velocity(beads: Any, path: str, after: Sequence[tuple[list[str], str]]) -> Change:
-    """Return a change of the velocities. The value at `path` applies to all beads, or to the strikers if it is a
-    number.
+    """Return a change of the velocities.
 
-    The paths `after` then change the velocities of single beads.
+    The value at `path` applies to all beads, or to the strikers if it is a number. The paths `after` then change the
+    velocities of single beads.
     """
 
     def velocity(values: Mapping[str, Any]) -> Any:

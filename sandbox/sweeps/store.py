@@ -1,8 +1,8 @@
-"""Store for the finished points of a sweep: a Zarr group from which an interrupted sweep continues.
+"""Store for the finished points of a sweep. It is a Zarr group from which an interrupted sweep continues.
 
 The folder `NAME.partial` contains a lock and a group. The group has an array for each column of the chunks, with a row
-for each point, and the study as an attribute. The status of a point is written last, so a point with a status is
-complete.
+for each point. The study is an attribute of the group. The status of a point is written last, so a point with a status
+is complete.
 """
 
 import inspect
@@ -30,18 +30,19 @@ from softcradle.sandbox.user_error import StudyError, reason
 
 # Status of a point that is not stored.
 MISSING = -1
-# Most rows of an array, and most numbers, that one file contains. Each chunk of a sweep rewrites its files.
+# Largest number of rows of an array, and largest number of values, in one file. Each chunk of a sweep rewrites its
+# files.
 MOST_ROWS, MOST_NUMBERS = 4096, 2**18
-# Values of points that are not stored, by column. Other columns contain NaN.
+# Values by column for points that are not stored. All other columns contain NaN.
 FILL: dict[str, Any] = {STATUS: MISSING, WARNED: 0, REASON: ""}
-# Largest number of values of an axis that are written out in the study.
+# Largest number of values of an axis that the text of the study lists.
 MOST_VALUES = 100
-# Names in the folder.
+# Names of the lock and of the group in the folder.
 LOCK, GROUP = "lock", "points"
 
 
 def partial_folder(path: Path) -> Path:
-    """Return the folder that keeps the points of a sweep until all are computed."""
+    """Return the folder that stores the points of a sweep until all points are computed."""
     return path.with_name(f"{path.name}.partial")
 
 
@@ -53,9 +54,11 @@ class Store:
 
     Arguments:
         folder: folder of the points, created if necessary; None keeps them only in memory.
-        study: the study as text. The folder of another study is rejected.
+        study: description of the study as text. A folder that belongs to another study is rejected.
         count: number of points.
-        fresh: start over, whatever the folder contains, unless it was itself started with `fresh` for this study.
+        fresh: True to start again and ignore the content of the folder. The content is used if it was itself started
+            with
+            `fresh` for this study.
 
     Raises:
         StudyError: the folder belongs to another study, is in use, cannot be written or cannot be read.
@@ -102,14 +105,14 @@ class Store:
         try:
             columns = {name: array[:] for name, array in self._arrays.items()}
             columns = {name: np.full(self._count, FILL[name]) for name in (WARNED, REASON)} | columns
-        except Exception as error:  # Zarr raises errors of many kinds for a damaged file.
+        except Exception as error:  # For a damaged file, Zarr raises errors of many kinds.
             raise StudyError(f"cannot read {self.folder} ({error}): delete it to compute its points again") from None
         there = np.concatenate([[False], columns[STATUS] != MISSING, [False]])
         for begin, end in np.flatnonzero(there[1:] != there[:-1]).reshape(-1, 2).tolist():
             yield Chunk(begin, end, {name: column[begin:end] for name, column in columns.items()})
 
     def keep(self, chunk: Chunk) -> None:
-        """Add a chunk. Raise StudyError if the disk is full; chunks stored before stay intact."""
+        """Store a chunk. Raise StudyError if the disk is full. Chunks that were stored before stay intact."""
         if self.folder is not None:
             try:
                 files = [file for name in chunk.columns if name != STATUS for file in self._written(name, chunk)]
@@ -120,11 +123,11 @@ class Store:
         self._chunks.append(chunk)
 
     def _written(self, name: str, chunk: Chunk) -> Iterator[Path]:
-        """Write a column of a chunk, and yield the files that contain it."""
+        """Write one column of a chunk, and yield the files that contain it."""
         values, key = chunk.columns[name], quote(name, safe="")
         inner = values.shape[1:]
         if name in (WARNED, REASON) and not values.any():
-            return  # Zarr fills in these values.
+            return  # Zarr fills in these values by default.
         if name not in self._arrays:
             rows = max(1, min(MOST_ROWS, MOST_NUMBERS // max(1, math.prod(inner))))
             self._arrays[name] = self._group.create_array(
@@ -162,26 +165,26 @@ class Store:
             reached = end
 
     def close(self) -> None:
-        """Release the lock, so that another sweep can open the folder."""
+        """Release the lock, after which another sweep can open the folder."""
         if self._lock is not None:
             self._lock.release()
 
     def remove(self) -> None:
-        """Delete the folder."""
+        """Delete the folder with the stored points."""
         self.close()
         if self.folder is not None:
             shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def _sync(files: Iterable[Path]) -> None:
-    """Wait until the files are on the disk."""
+    """Wait until the content of the files is on the disk."""
     for path in files:
         with path.open("r+b") as file:
             fsync(file.fileno())
 
 
 def is_locked(folder: Path) -> bool:
-    """Return True if a sweep is writing into the folder."""
+    """Return True if a sweep is currently writing into the folder."""
     lock = FileLock(folder / LOCK)
     with suppress(Timeout):
         lock.acquire(timeout=0)
@@ -205,21 +208,23 @@ def _attributes(folder: Path) -> dict[str, Any]:
 
 
 def study_in(folder: Path) -> str | None:
-    """Return the study of the folder, or None if it does not contain one."""
+    """Return the text of the study to which the folder belongs, or None if the folder does not contain it."""
     return _attributes(folder).get("study")
 
 
 def begun_afresh(folder: Path, study: str) -> bool:
-    """Return True if a sweep with `fresh` started this folder for this study. It then takes precedence over the
-    existing output.
+    """Return True if a sweep with `fresh` has started this folder for this study.
+
+    The folder then takes precedence over the existing output.
     """
     known = _attributes(folder)
     return known.get("study") == study and known["fresh"]
 
 
 def study_text(work: Work, title: str, units: Mapping[str, str] | None = None, version: str | int = "") -> str:
-    """Return everything that determines the Dataset of a sweep, as one line of JSON. Long lists of values are replaced
-    by digests.
+    """Return a line of JSON with everything that determines the Dataset of a sweep.
+
+    Long lists of values are replaced by digests.
     """
     axes = [asdict(axis) | {"values": _shortened(axis.values)} for axis in work.points.axes]
     measures = [
@@ -239,9 +244,11 @@ def study_text(work: Work, title: str, units: Mapping[str, str] | None = None, v
 
 
 def identity(function: Any) -> tuple[str, str]:
-    """Return the name of a function, and a digest of its source text and of the values that are bound to it.
+    """Return the name of a function and a digest.
 
-    Other functions that it calls and values that it closes over do not count. `version` of a sweep stands for them.
+    The digest depends on the source text of the function and on the values that are bound to it. It does not depend on
+    other functions that the function calls, or on values that it closes over. The argument `version` of a sweep
+    represents these.
     """
     bound: list[Any] = []
     name = function_name(function)
@@ -251,7 +258,8 @@ def identity(function: Any) -> tuple[str, str]:
     function = inspect.unwrap(function)
     code = getattr(function, "__code__", None)
     source = b"" if code is None else code.co_code + repr(code.co_names).encode()
-    with suppress(OSError, TypeError):  # A function of a prompt, or an instance of a class.
+    # The source text is missing for a function typed at a prompt, or for an instance of a class.
+    with suppress(OSError, TypeError):
         source = inspect.getsource(function).encode()
     with suppress(pickle.PicklingError, AttributeError, TypeError):
         source += pickle.dumps(bound if source else [function, *bound])

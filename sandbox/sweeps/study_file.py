@@ -1,4 +1,4 @@
-"""Study file: a TOML file that names a scene, the points of a sweep and the measures."""
+"""Study file: a TOML file that contains the name of a scene, the points of a sweep and the measures."""
 
 import os
 import tomllib
@@ -35,7 +35,9 @@ Whole = Annotated[int, Strict()]
 
 
 def _kind(value: Any) -> str:
-    """Return the tag of a value in a study, in brackets (see `OneOrMany`). A fraction such as "1/14" is a number."""
+    """Return the kind of a value in a study file as a tag in brackets; see `OneOrMany`. A fraction such as "1/14" is a
+    number.
+    """
     text = isinstance(value, str) and not FRACTION.fullmatch(value)
     return "(text)" if text else "(whole)" if isinstance(value, int) else "(number)"
 
@@ -81,7 +83,7 @@ class ParameterSpan(Table):
         return self
 
     def valued(self, path: str) -> Axis:
-        """Return the Axis for a grid or a list."""
+        """Return the Axis of this parameter for a grid or a list."""
         if self.between is None:
             return Axis(path, self.values, name=self.name)
         low, high = self.between
@@ -97,7 +99,7 @@ class ParameterSpan(Table):
         return Axis(path, tuple(spread(low, high, count).tolist()), name=self.name)
 
     def sampled(self, path: str) -> Axis:
-        """Return the Axis for samples."""
+        """Return the Axis of this parameter for random or Sobol samples."""
         if self.between is None or self.count is not None:
             raise StudyError(f"{path}: samples need between = [low, high], and one count for all parameters")
         return Axis(path, low=self.between[0], high=self.between[1], scale=self.scale, name=self.name)
@@ -111,7 +113,7 @@ Spans = Mapping[str, Annotated[ParameterSpan, BeforeValidator(_span)]]
 
 
 class SampleTable(Table):
-    """Number of samples, seed, and sampled parameters."""
+    """Table of a study file that contains the number of samples, the seed, and the sampled parameters."""
 
     count: Annotated[int, Strict(), Field(ge=1)]
     seed: Annotated[int, Strict(), Field(ge=0)] = 0
@@ -158,7 +160,7 @@ class StudyFile(Table):
 
 @dataclass(frozen=True)
 class SweepStudy:
-    """Study that was read from a file: the arguments of `sweep`."""
+    """Study that was read from a file. It contains the arguments of `sweep`."""
 
     title: str
     scene: Scene
@@ -167,7 +169,7 @@ class SweepStudy:
 
 
 def load_study(path: str) -> SweepStudy:
-    """Return the study in a file. Raise StudyError with the problems of the file."""
+    """Return the study in a file. Raise StudyError with a list of problems if the file is invalid."""
     try:
         table = tomllib.loads(text_in(path))
         found = StudyFile.model_validate(table)
@@ -177,7 +179,8 @@ def load_study(path: str) -> SweepStudy:
         raise StudyError(f"{path}: not a text file in UTF-8") from None
     except ValidationError as error:
         raise StudyError(str(scene_error(path, error)).replace("the scene: key", "the study: key")) from None
-    except (ValueError, RecursionError) as error:  # Invalid TOML, too many digits, or too many nested brackets.
+    # The file is not valid TOML, has numbers with too many digits, or has too many nested brackets.
+    except (ValueError, RecursionError) as error:
         raise StudyError(f"{path}: not valid TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
     try:
         study = SweepStudy(found.title, _scene(found, Path(path).parent), found.points(), found.measures)
@@ -190,7 +193,7 @@ def load_study(path: str) -> SweepStudy:
 
 
 def _scene(study: StudyFile, folder: Path) -> Scene:
-    """Return the scene of a study with the replaced numbers."""
+    """Return the scene of a study after its numbers have been replaced."""
     beside = folder / study.scene
     scene = load_scene(str(beside) if study.scene.endswith(".toml") and os.path.isfile(beside) else study.scene)
     return changed(scene, study.set)

@@ -1,4 +1,4 @@
-"""Work of a sweep: the scene or function, its points and measures, checked, and the computation of one chunk of points.
+"""Work of a sweep: the scene or function with its points and measures, and the computation of one chunk of points.
 
 Each process that takes part in the sweep gets a copy of the work.
 """
@@ -29,23 +29,22 @@ from softcradle.scenes.scene_errors import SceneError
 Array = NDArray[np.float64]
 
 
-AT_ONCE = 64  # Number of points that are prepared together and may run at once.
-# The same for points so fast that a block this large stays within the time of a chunk. A larger block has more chains
-# of one shape.
+AT_ONCE = 64  # Number of points that are prepared together and may be computed in one call.
+# Number of fast points that are prepared together. A block of this size must stay within the time of a chunk. A larger
+# block contains more chains of one shape.
 MOST_AT_ONCE = 256
-LEAST_ALIKE = 4  # Smallest number of chains of one shape that run at once. Fewer chains are faster separately.
-# Names of the columns in addition to the measures. The colon keeps them apart from the names of measures.
+# Smallest number of chains of one shape that are computed in one call. Fewer chains are faster separately.
+LEAST_ALIKE = 4
+# Names of the columns in addition to the measures. The colon distinguishes them from names of measures.
 STATUS, WARNED, REASON = ":status", ":warned", ":reason"
-WORTH_KERNELS = 1000  # Number of points from which the kernels for such runs are compiled in the background.
-# Reserved names, which a parameter or measure cannot have.
+WORTH_KERNELS = 1000  # Number of points from which on the kernels for several chains are compiled in the background.
+# Reserved names, which parameters and measures cannot have.
 TAKEN = ("point", "lane", "bead", "contact", "status", "warned", "reason")
 UNLIKE = "a measure is a number at one point and a list at another"
 
 
 class PointStatus(IntEnum):
-    """Status of a point. All values except REFUSED and LOST are those of a run,
-    :class:`softcradle.physics.status.Status`.
-    """
+    """Status of a point. All values except REFUSED and LOST are those of :class:`softcradle.physics.status.Status`."""
 
     DONE = 0
     SEPARATED = 1
@@ -72,9 +71,10 @@ class Chunk:
     """Computed points with consecutive numbers.
 
     Attributes:
-        begin, end: number of the first point, and of the point after the last one.
-        columns: arrays (end - begin, ...) by name of the measure, NaN if a number is missing; also STATUS, WARNED,
-            REASON.
+        begin, end: number of the first point, and number after the last point.
+        columns: arrays (end - begin, ...) by name of the measure; NaN if a number is missing. The columns STATUS,
+            WARNED
+            and REASON are included.
         seconds: computing time [s].
     """
 
@@ -91,13 +91,13 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Work:
-    """Sweep in the form that is sent to the processes that compute it.
+    """Description of a sweep that is sent to the processes that compute it.
 
     Attributes:
         points: the sample points.
         source: a scene, or a function of the parameters by name. The function returns a mapping of names to numbers, an
             Outcome, a Trajectory, (chain, start velocities) or (chain, start velocities, keywords of `simulate`).
-        measures: measures of every run; those of the table by name.
+        measures: measures of every simulation; those of the table by name.
         versions: versions of the computing code. A process with other versions refuses the work.
     """
 
@@ -108,16 +108,18 @@ class Work:
 
     @property
     def lanes(self) -> list[str]:
-        """Labels of the lanes of the scene, or their numbers if the labels are empty; a single empty label for a
-        function.
+        """Labels of the lanes of the scene, or their numbers if the labels are empty.
+
+        A function has a single empty label.
         """
         lanes = self.source.scene.lanes if isinstance(self.source, ScenePoints) else ()
         return [lane.label or str(k) for k, lane in enumerate(lanes)] or [""]
 
     @property
     def lengths(self) -> dict[str, int]:
-        """Lengths of the dimensions inside a point for the unchanged scene; empty for a function, whose lengths are
-        unknown.
+        """Lengths of the dimensions inside a point for the unchanged scene.
+
+        The mapping is empty for a function, because its lengths are unknown.
         """
         lanes = self.source.scene.lanes if isinstance(self.source, ScenePoints) else ()
         beads = max((len(lane.velocity) for lane in lanes), default=0)
@@ -129,7 +131,7 @@ class Work:
         return self.source.scene.title if isinstance(self.source, ScenePoints) else function_name(self.source)
 
     def compute(self, begin: int, end: int, seconds: float = math.inf) -> Chunk:
-        """Compute the points from `begin` on, up to `end` or until `seconds` have passed, but at least one point."""
+        """Compute the points from `begin` up to `end`, or until `seconds` have passed. At least one point is computed."""
         began, outcomes = perf_counter(), list[Outcome]()
         points = self.points.rows(begin, end, AT_ONCE)
         size = AT_ONCE if self._runs_at_once() else 1
@@ -140,9 +142,10 @@ class Work:
         return packed(begin, outcomes, perf_counter() - began)
 
     def _runs_at_once(self) -> bool:
-        """Return True if only ends of runs are measured and the kernels that run several chains at once are available.
+        """Return True if several chains can be computed together.
 
-        If a large sweep lacks these kernels, their compilation is started in the background.
+        This requires that only final states are measured, and that the kernels for several chains are available. If a
+        large sweep lacks these kernels, their compilation is started in the background.
         """
         from softcradle.physics.batch.ends import TIERS
 
@@ -153,20 +156,20 @@ class Work:
         return ends_alone and (kernels.in_memory or kernels.on_disk)
 
     def _at_once(self, points: Sequence[Mapping[str, Any]]) -> list[Outcome]:
-        """Compute several points. Chains of one shape with the same settings run in one call; the results are bitwise
-        the same.
+        """Compute several points. Chains with the same shape and settings are computed in one call.
 
-        A point is computed separately if its shape is too rare, if its run does not end normally, or if it cannot be
-        measured.
+        The results are bitwise the same as for separate points. A point is computed separately if its shape is too
+        rare, if its simulation does not end normally, or if it cannot be measured.
         """
         lanes = [self._starts(values) for values in points]
         alike: dict[Any, list[LaneStart]] = {}
         for start in (start for own in lanes for start in own):
             alike.setdefault((start.chain.contacts, *sorted(start.settings.items())), []).append(start)
-        ends: dict[int, RunEnd] = {}  # the key is the identity of a LaneStart
+        ends: dict[int, RunEnd] = {}  # The key is the identity of a LaneStart.
         for group in alike.values():
             if len(group) >= LEAST_ALIKE:
-                with suppress(Exception):  # Some chain cannot run in this way. Its separate run reports the problem.
+                # Some chains cannot be computed together. The separate computation of the point reports the problem.
+                with suppress(Exception):
                     ends.update(zip(map(id, group), ends_of(group), strict=True))
         return [
             self._beside(values, own, [ends.get(id(start)) for start in own])
@@ -174,24 +177,28 @@ class Work:
         ]
 
     def _starts(self, values: Mapping[str, Any]) -> list[LaneStart]:
-        """Return the start of each lane at a point. Return an empty list if the point is invalid; its separate run then
-        reports why.
+        """Return the initial state of each lane at a point.
+
+        The list is empty if the point is invalid. The separate computation of the point then reports the reason.
         """
         with suppress(Exception):
             return self.source.starts(values)  # type: ignore[union-attr]
         return []
 
     def _beside(self, values: Mapping[str, Any], starts: Sequence[LaneStart], ends: Sequence[RunEnd | None]) -> Outcome:
-        """Return the outcome of a point from the ends of its chains. If an end is missing (None), compute the point
-        separately.
+        """Return the outcome of a point from the final states of its chains.
+
+        If a final state is missing (None), compute the point separately.
         """
         if ends and all(end is not None and end.status in (Status.DONE, Status.SEPARATED) for end in ends):
-            with suppress(Exception):  # The numbers of the lanes differ in shape. The separate run reports the problem.
+            # Numbers of the lanes that differ in shape cause an error. The separate computation of the point reports
+            # the problem.
+            with suppress(Exception):
                 return self._measured([Run(*both) for both in zip(starts, ends, strict=True)])
         return self.outcome(values)
 
     def outcome(self, values: Mapping[str, Any]) -> Outcome:
-        """Compute one point. An error becomes its status and reason."""
+        """Compute one point. If an error occurs, it determines the status and the reason of the point."""
         try:
             if isinstance(self.source, ScenePoints):
                 return self._measured([Run(start) for start in self.source.starts(values)])
@@ -205,16 +212,18 @@ class Work:
             return Outcome({}, PointStatus.REFUSED, 0, _sentence_of(error))
 
     def _measured(self, runs: Sequence[Run]) -> Outcome:
-        """Take all measures of the runs of all lanes at a point. A measure that fails becomes NaN."""
+        """Compute all measures of all lanes at a point. A measure that fails becomes NaN."""
         measures = [find_measure(item) if isinstance(item, str) else item for item in self.measures]
         numbers: dict[str, Array] = {}
-        without: dict[str, dict[str, None]] = {}  # reasons why measures fail, each with the names of the measures
+        # Maps each reason for which measures fail to the names of these measures.
+        without: dict[str, dict[str, None]] = {}
 
         def taken(measure: Measure, run: Run) -> Array | None:
             try:
                 return _number_of(measure.name, measure.function(run))
             except Exception as error:
-                _ = run.motion  # If the run itself is invalid, this raises its error; the measure is not the cause.
+                # If the simulation itself is invalid, this raises its error. The measure is then not the cause.
+                _ = run.motion
                 without.setdefault(_sentence_of(error), {})[measure.name] = None
                 return None
 
@@ -230,7 +239,7 @@ class Work:
 
 
 def _run_of(found: Any) -> Run:
-    """Return the Run for the result of a function."""
+    """Return the Run for the value that a function returned."""
     if isinstance(found, Trajectory):
         return Run(LaneStart(found.chain, found.velocity[0], _settings_of(found)), found)
     if isinstance(found, tuple) and len(found) in (2, 3) and isinstance(found[0], Chain):
@@ -240,9 +249,9 @@ def _run_of(found: Any) -> Run:
 
 
 def _settings_of(found: Trajectory) -> dict[str, Any]:
-    """Return the keywords of `simulate` that reproduce a Trajectory.
+    """Return the keyword arguments of `simulate` that reproduce a Trajectory.
 
-    Raise StudyError if its samples do not include the start and the end of the run.
+    Raise StudyError if the samples of the Trajectory do not include its start and its end.
     """
     whole = found.status.gave_up or np.allclose(found.velocity[-1], found.final_velocity, rtol=1e-9, atol=1e-9)
     if found.time[0] != 0.0 or not whole:
@@ -253,7 +262,7 @@ def _settings_of(found: Trajectory) -> dict[str, Any]:
 
 
 def _sentence_of(error: BaseException) -> str:
-    """Return the message of an error in one line. Errors other than ValueError are preceded by their name."""
+    """Return the message of an error in one line. The name of the error precedes the message, except for ValueError."""
     text = " ".join(str(error).split())
     return text if isinstance(error, ValueError) and text else f"{type(error).__name__}: {text}".rstrip(": ")
 
@@ -272,7 +281,7 @@ def as_floats(value: Value) -> Array:
 
 
 def stacked(arrays: Sequence[Array | None]) -> Array:
-    """Return the arrays stacked to (N, ...), padded with NaN to the largest shape. None becomes a row of NaN."""
+    """Return the arrays stacked to shape (N, ...) and padded with NaN to the largest shape. None becomes a row of NaN."""
     given = [array for array in arrays if array is not None]
     if len({array.ndim for array in given}) > 1:
         raise StudyError(UNLIKE)
@@ -298,8 +307,9 @@ def packed(begin: int, outcomes: Sequence[Outcome], seconds: float = 0.0) -> Chu
 
 
 def merged(chunks: Sequence[Chunk], count: int) -> dict[str, NDArray[Any]]:
-    """Return the columns of all chunks together, with NaN for missing numbers. Raise StudyError if a measure is a number
-    in one chunk and a list in another.
+    """Return the columns of all chunks together. Missing numbers are NaN.
+
+    Raise StudyError if a measure is a number in one chunk and a list in another.
     """
     columns: dict[str, NDArray[Any]] = {}
     for name in dict.fromkeys(name for chunk in chunks for name in chunk.columns):
@@ -332,7 +342,10 @@ def current_versions() -> dict[str, str]:
 
 
 def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
-    """Compute a chunk in another process. Raise StudyError if that process has another version of the code than the sweep."""
+    """Compute a chunk in another process.
+
+    Raise StudyError if the version of the code in this process differs from the version of the sweep.
+    """
     own = current_versions()
     for name, wanted in work.versions.items():
         if own[name] != wanted:
@@ -343,7 +356,10 @@ def compute_checked(work: Work, begin: int, end: int, seconds: float) -> Chunk:
 
 
 def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures: Sequence[str | Measure]) -> Work:
-    """Return the Work of a sweep, after all checks that are possible before it starts. Raise StudyError or SceneError."""
+    """Return the Work of a sweep. All checks that are possible before the start are done first.
+
+    Raise StudyError or SceneError if a check fails.
+    """
     names = [find_measure(item).name if isinstance(item, str) else item.name for item in measures]
     check_names("parameter", [axis.coordinate for axis in points.axes], names)
     check_names("measure", names)
@@ -361,7 +377,10 @@ def sweep_work(what: Scene | str | Callable[..., Any], points: Points, measures:
 
 
 def check_names(what: str, names: Iterable[Any], others: Sequence[str] = ()) -> None:
-    """Raise StudyError if one of `names` cannot be the name of a variable of the Dataset. Names in `others` are taken."""
+    """Raise StudyError if one of `names` cannot be the name of a variable of the Dataset.
+
+    Names in `others` are already used.
+    """
     for name in names:
         if not (isinstance(name, str) and name) or name in (*TAKEN, *others) or set(name) & set(" /"):
             raise StudyError(f"a {what} cannot be called {name!r}: give it another name")
@@ -370,7 +389,7 @@ def check_names(what: str, names: Iterable[Any], others: Sequence[str] = ()) -> 
 def check_columns(chunk: Chunk, work: Work, known: dict[str, int]) -> None:
     """Raise StudyError if the Dataset cannot hold the numbers that a function returned.
 
-    `known` contains the number of dimensions of each column so far, and is updated.
+    The mapping `known` contains the number of dimensions of each column so far, and is updated.
     """
     columns = {name: column for name, column in chunk.columns.items() if name not in (STATUS, WARNED, REASON)}
     inner = [f"{name}_item" for name, column in columns.items() if column.ndim > 1]
@@ -381,7 +400,7 @@ def check_columns(chunk: Chunk, work: Work, known: dict[str, int]) -> None:
 
 
 def _check(source: ScenePoints, points: Points) -> None:
-    """Raise StudyError if a path does not exist in the scene, or if a first or last value is invalid."""
+    """Raise StudyError if a path does not exist in the scene, or if the first or last value of an axis is invalid."""
     first = {axis.path: axis.ends()[0] for axis in points.axes}
     for changed in [first, *(first | {axis.path: axis.ends()[1]} for axis in points.axes)]:
         try:
