@@ -1,3 +1,4 @@
-"""Measurements of speed and accuracy: ``python -m benchmarks`` or ``make bench``. They are not part of the installed
-package.
+"""Measurements of speed and accuracy. Run them with ``python -m benchmarks`` or ``make bench``.
+
+They are not part of the installed package.
 """

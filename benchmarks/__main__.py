@@ -1,8 +1,14 @@
-"""All measurements in one run: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
+"""All measurements in one command: ``make bench``, or ``python -m benchmarks [--json FILE] [NAME ...]``.
 
-``scan``, ``conserving``, ``mutants``, ``soft-contacts``, ``two-versions``, ``fit`` and ``hits`` are separate commands with
-their own ``--help``: random chains against the reference, steps of conserving, changes of a kernel that tests notice,
-SoftContacts, two checkouts, error bars of fits, tables of hits against the reference.
+Some names are separate commands with their own ``--help``:
+
+- ``scan`` compares random chains with the reference.
+- ``conserving`` tests steps of the method conserving.
+- ``mutants`` counts the changes of a kernel that tests notice.
+- ``soft-contacts`` measures the energy of SoftContacts.
+- ``two-versions`` compares two checkouts.
+- ``fit`` tests the error bars of fits.
+- ``hits`` compares tables of collisions with the reference.
 """
 
 from __future__ import annotations
@@ -45,7 +51,7 @@ COMMANDS = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the benchmarks with these names, or all; print tables, and write JSON if requested."""
+    """Run the benchmarks called `arguments`, or all. Print tables, and write JSON if requested."""
     given = sys.argv[1:] if arguments is None else arguments
     if given and given[0] in COMMANDS:
         command: Callable[[list[str]], int] = import_module(COMMANDS[given[0]]).main
@@ -64,7 +70,7 @@ def main(arguments: list[str] | None = None) -> int:
         for report in import_module(BENCHMARKS[name]).reports():
             report.show(console)
             data.append(report.data)
-            if args.json:  # after every table, because all take minutes
+            if args.json:  # The file is written after every table, because all tables together take minutes.
                 _write(args.json, found)
     return 0
 

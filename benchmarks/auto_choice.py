@@ -1,8 +1,8 @@
-"""``python -m benchmarks auto``: check on seeded random collisions that the choice of `auto` has the wanted error, and
-its cost.
+"""``python -m benchmarks auto``: test the choices of the method `auto` on random collisions with fixed seeds.
 
-Each collision is also computed with `accurate`, `radau` and `conserving`, with the settings that `auto` would choose
-for this error. The cost is contacts times evaluations, so it does not depend on the machine.
+The test checks that each choice reaches the wanted error, and measures its cost. Each collision is also computed with
+`accurate`, `radau` and `conserving`, with the settings that `auto` would choose for this error. The cost is the number
+of contacts times the number of evaluations, so it does not depend on the machine.
 """
 
 from __future__ import annotations
@@ -28,41 +28,48 @@ from benchmarks.scan.families import motion
 
 FAMILIES = ("power", "mixed", "hooke-hertz", "gears", "extreme", "one-on-n", "clusters", "walls")
 ERRORS = (1e-2, 1e-3, 1e-4, 1e-6)
-# Range of the factors of the masses of every second chain, in decades: light beads between heavy ones have short contacts.
+# Range of the masses of every second chain, in decades. Light beads between heavy beads have short contacts.
 UNEVEN = 3.0
-LONGEST = 3.0  # Durations are drawn up to this multiple of the collision, as users choose them.
-MOST_STEPS = 1_000_000  # Most steps of an alternative; it is not computed to its end if it needs more.
-FINE = 1e-11  # tolerance of the truth
-DOUBTED = 0.1  # Fraction of the wanted error. Chains whose reference solution is less certain are not judged.
-HELD = 3.0  # Multiple of the wanted error that the tests allow.
-# Times the evaluations of the cheapest alternative: a choice that takes more, and more than MANY in all, counts as dear.
+LONGEST = 3.0  # Largest random duration, as a multiple of the duration of the collision. Users choose such durations.
+# Largest number of steps of an alternative. An alternative that needs more is stopped before its end.
+MOST_STEPS = 1_000_000
+FINE = 1e-11  # Tolerance of the true result.
+DOUBTED = 0.1  # Chains whose true result has an uncertainty above this fraction of the wanted error are not judged.
+HELD = 3.0  # Largest error of a choice that the tests allow, as a multiple of the wanted error.
+# A choice is too expensive if it needs more than DEAR times the evaluations of the cheapest alternative, and more than
+# MANY evaluations.
 DEAR, MANY = 5.0, 20_000
 
 
 @dataclass(frozen=True)
 class Judged:
-    """One choice: chain and wanted error, evaluations of the choice and of the alternatives (inf: not to the end), its error."""
+    """One choice of `auto`: the chain, the wanted error, the error of the choice, and numbers of evaluations.
+
+    The evaluations of an alternative are infinite if it did not reach the end.
+    """
 
     seed: int
     wanted: float
     method: str
     evaluations: float
     others: dict[str, float]
-    error: float  # error of the final velocities, relative to the closing speed
+    error: float  # Error of the final velocities, relative to the closing speed.
 
     @property
     def ratio(self) -> float:
-        """Evaluations over those of the cheapest alternative. A motion of free flights needs none at all."""
+        """Number of evaluations divided by that of the cheapest alternative. A motion without contacts needs no
+        evaluations.
+        """
         return self.evaluations / max(min(self.others.values()), 1.0)
 
     @property
     def dear(self) -> bool:
-        """Whether another method takes far fewer evaluations."""
+        """True if another method needs far fewer evaluations."""
         return self.evaluations > max(DEAR * min(self.others.values()), MANY)
 
 
 def collision(number: int) -> tuple[Chain, np.ndarray, float]:
-    """Return the chain, start velocities [m/s] and duration [s] of the random collision of that number."""
+    """Return the chain, start velocities [m/s] and duration [s] of a random collision, generated from `number`."""
     moving, draw = motion(FAMILIES[number % len(FAMILIES)], number), np.random.default_rng([number, 59])
     chain, velocity = moving.chain, np.array(moving.velocity)
     if number // len(FAMILIES) % 2:
@@ -73,7 +80,7 @@ def collision(number: int) -> tuple[Chain, np.ndarray, float]:
 
 
 def judged(number: int) -> list[Judged]:
-    """Return the choice for each wanted error, with the alternatives."""
+    """Return the choice of `auto` for each wanted error, with the alternatives."""
     found = []
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
@@ -84,7 +91,8 @@ def judged(number: int) -> list[Judged]:
         def run(method: str, step: float, tolerance: float) -> tuple[float, float]:
             if step and duration / step > MOST_STEPS:
                 return np.inf, np.inf
-            most = None if method == "accurate" else MOST_STEPS  # only `accurate` confirms its end
+            # Only `accurate` confirms its end, so its number of steps is not limited.
+            most = None if method == "accurate" else MOST_STEPS
             run = solve(chain, velocity, duration, method, step or None, 2, tolerance or 1e-8, most)
             off = float(np.abs(run.final_velocity - truth.final_velocity).max()) / speed
             return (np.inf if run.status.gave_up else float(run.evaluations)), off
@@ -102,7 +110,7 @@ def judged(number: int) -> list[Judged]:
 
 
 def report(found: Sequence[Judged], options: str) -> Report:
-    """Return a table with a row for each wanted error and chosen method."""
+    """Return a table with one row for each wanted error and chosen method."""
     rows = []
     for wanted in ERRORS:
         for method in sorted({one.method for one in found if one.wanted == wanted}):
@@ -137,7 +145,7 @@ def report(found: Sequence[Judged], options: str) -> Report:
 
 
 def main(arguments: list[str]) -> int:
-    """Run the scan; the exit code is 1 if a choice is dear or off by more than is held."""
+    """Run the scan. The exit code is 1 if a choice is too expensive, or if its error exceeds the allowed error."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks auto", description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=400, help="chains in all (default %(default)s)")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default 0)")

@@ -1,7 +1,7 @@
 """Cost of one pymunk step with compiled and with Python contact callbacks.
 
-Every contact stays closed, with alpha = 1/10, whose power is expensive. So every callback evaluates its law in every
-step. The Space has one solver iteration, as for the method `pymunk`, or pymunk's default of ten.
+Every contact stays closed, so each callback evaluates its law in every step. The exponent is alpha = 1/10, whose power
+is expensive. The Space has one solver iteration, as for the method `pymunk`, or pymunk's default of ten.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from benchmarks.reports import Report, at_least
 CONTACTS = (4, 64)
 ITERATIONS = (1, 10)
 ROUNDS = 7
-STEPS = 2000  # steps in a round
-OVERLAP = 0.01  # [m] overlap of every contact; the forces are so small that it hardly changes
-RATIO_AIM = 3.0  # goal for the ratio of the Python time to the compiled time, for 4 contacts
+STEPS = 2000  # Number of steps in a round.
+OVERLAP = 0.01  # Overlap of every contact [m]. The forces are so small that it hardly changes.
+RATIO_AIM = 3.0  # Smallest wanted ratio of the Python time to the compiled time, for 4 contacts.
 
 
 def chain_space(contacts: int, iterations: int, compiled: bool) -> pymunk.Space:
-    """Return a Space with a row of bodies, all neighbours in contact."""
+    """Return a Space with a chain of bodies, in which all neighbours are in contact."""
     space = pymunk.Space()
     space.iterations = iterations
     bodies = [pymunk.Body(1.0, 1.0) for _ in range(contacts + 1)]
@@ -38,7 +38,7 @@ def chain_space(contacts: int, iterations: int, compiled: bool) -> pymunk.Space:
 
 
 def microseconds(space: pymunk.Space) -> float:
-    """Return the mean time of a step."""
+    """Return the mean time of a step in microseconds."""
     began = perf_counter()
     for _ in range(STEPS):
         space.step(1e-6)
@@ -46,8 +46,9 @@ def microseconds(space: pymunk.Space) -> float:
 
 
 def measure(contacts: int, iterations: int) -> dict[str, float]:
-    """Return the shortest times over several rounds that alternate compiled and Python, so that other load affects
-    both.
+    """Return the shortest time of a step with compiled and with Python callbacks.
+
+    The rounds alternate between both, so other load on the machine affects both.
     """
     spaces = [chain_space(contacts, iterations, compiled) for compiled in (True, False)]
     rounds = [[microseconds(space) for space in spaces] for _ in range(ROUNDS)]

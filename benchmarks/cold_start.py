@@ -1,4 +1,7 @@
-"""First use on a new machine, with an empty kernel cache: a table, a film, a window that plays, a SoftChain."""
+"""Time for the first use on a new machine, with an empty kernel cache.
+
+The measured tasks are a table, a film, a window that plays, and a SoftChain.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,9 @@ from time import perf_counter
 
 from benchmarks.reports import Report, at_most
 
-TABLE_AIM, FILM_AIM, WINDOW_AIM = 1.5, 2.0, 1.5  # goals in seconds
-STEP_AIM, FRAME_AIM = 50.0, 16.7  # goals in milliseconds
-FRAMES = 300  # frames of the window, while kernels are compiled in the background
+TABLE_AIM, FILM_AIM, WINDOW_AIM = 1.5, 2.0, 1.5  # Wanted times for a table, a film and a window [s].
+STEP_AIM, FRAME_AIM = 50.0, 16.7  # Wanted times for a step and a frame [ms].
+FRAMES = 300  # Number of frames of the window, while kernels are compiled in the background.
 
 CHAIN = """
 from time import perf_counter
@@ -50,7 +53,7 @@ app.close()
 
 
 def started(*arguments: str) -> tuple[float, str]:
-    """Return the seconds that Python takes with an empty cache, and its output."""
+    """Return the seconds that a Python process takes with an empty cache, and its output."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         screen = {"SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy", "SOFTCRADLE_CONFIG": folder}
         environment = {**os.environ, **screen, "NUMBA_CACHE_DIR": str(Path(folder) / "kernels")}
@@ -59,14 +62,14 @@ def started(*arguments: str) -> tuple[float, str]:
             [sys.executable, *arguments], env=environment, capture_output=True, text=True, check=True, cwd=Path.cwd()
         )
         seconds = perf_counter() - began
-        # the background process would continue without a reader
+        # End the background process. It would continue although nobody reads its result.
         for lock in Path(folder).glob("kernels/*/*/*.compiling"):
             os.kill(int(lock.read_text().split()[0]), 15)
     return seconds, done.stdout
 
 
 def reports() -> Iterator[Report]:
-    """Yield the table."""
+    """Yield the table of measured times."""
     table, _ = started("-m", "softcradle", "run", "one-on-four")
     with tempfile.TemporaryDirectory() as folder:
         film, _ = started(

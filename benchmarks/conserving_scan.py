@@ -27,21 +27,21 @@ from benchmarks.reports import Report
 from benchmarks.scan.families import motion
 
 FAMILIES = ("friction", "loss", "friction", "loss", "clusters", "mixed", "driven", "walls", "gears", "hooke-hertz")
-COARSER = (0.3, 3.0, 30.0)  # Step sizes, in default steps. Successive chains use them in turn.
-LONGEST = 2000.0  # Longest run, in steps. Longer motions end there.
-# Families of `--errors`, without friction and loss.
+COARSER = (0.3, 3.0, 30.0)  # Step sizes in units of the default step. Successive chains use them in turn.
+LONGEST = 2000.0  # Largest number of steps of a simulation. Longer motions are stopped.
+# Families of chains without friction and loss, used by `--errors`.
 KEEPING = ("power", "mixed", "clusters", "walls", "hooke-hertz", "gears", "extreme", "driven")
-LOSING = ("friction", "loss")  # Families of `--errors --lossy`.
-STEPS_OF_ERRORS = (1.0, 4.0)  # Step sizes of `--errors`, in default steps.
-LONGEST_COLLISION = 12_000.0  # Longest run of `--errors`, in default steps.
-FINER = 9.3  # Ratio of the default step to the step of the run with which the others are compared.
-LARGE = 1e-3  # Error above which a run is listed, as a fraction of the closing speed.
+LOSING = ("friction", "loss")  # Families of chains used by `--errors --lossy`.
+STEPS_OF_ERRORS = (1.0, 4.0)  # Step sizes of `--errors` in units of the default step.
+LONGEST_COLLISION = 12_000.0  # Longest simulation of `--errors`, in default steps.
+FINER = 9.3  # Ratio of the default step to the step of the simulation with which the others are compared.
+LARGE = 1e-3  # Error above which a simulation is listed, as a fraction of the closing speed.
 CHUNK = 50  # Number of chains that a process gets at once.
 
 
 @dataclass(frozen=True)
 class Found:
-    """The result of one run: its chain, and the errors of momentum and energy, relative to their largest values.
+    """Result of one simulation: its chain, and the errors of momentum and energy, relative to their largest values.
 
     The error of the momentum is None on a bed or with walls.
     """
@@ -57,7 +57,7 @@ class Found:
 
 
 def run(number: int) -> Found:
-    """Return the result of run `number`."""
+    """Return the result for the random chain `number`."""
     family, coarser = FAMILIES[number % len(FAMILIES)], COARSER[number // len(FAMILIES) % len(COARSER)]
     moving = motion(family, number)
     chain, velocity = moving.chain, np.array(moving.velocity)
@@ -82,7 +82,7 @@ def run(number: int) -> Found:
 
 
 def report(found: Sequence[Found]) -> Report:
-    """Return the table with a row for each family."""
+    """Return the table with one row for each family of chains."""
     rows = []
     for family in (*dict.fromkeys(FAMILIES), "all"):
         mine = [one for one in found if family in (one.family, "all")]
@@ -111,9 +111,9 @@ def report(found: Sequence[Found]) -> Report:
 
 @dataclass(frozen=True)
 class Error:
-    """The error of the final velocities, and how often contacts closed again.
+    """Error of the final velocities, and the number of contacts that closed again.
 
-    The error is relative to the closing speed, or to the speed that the drive gives.
+    The error is relative to the closing speed, or to the speed that the external force gives.
     """
 
     seed: int
@@ -141,7 +141,9 @@ def errors(number: int, families: Sequence[str] = KEEPING) -> list[Error]:
 
 
 def error_report(found: Sequence[Error], options: str = "") -> Report:
-    """Return the table with two rows for each step size: with and without the warning that contacts close again."""
+    """Return the table with two rows for each step size: simulations with and without the warning that contacts close
+    again.
+    """
     rows = []
     for coarser in STEPS_OF_ERRORS:
         for warned in (False, True):

@@ -1,8 +1,8 @@
 """``python -m benchmarks fit [--cases N] [--seed N]``: coverage of the error bars of `softcradle fit`.
 
-The data are synthetic, with noise, from random scenes of all kinds of contact.
-In the ordinary cases the fitted values must lie within two error bars of the truth in 93 to 97 % of the cases. In the other
-cases the data cannot determine a value by construction, and the fit must report this value.
+The data are synthetic and noisy. They come from random scenes with all kinds of contact. In the ordinary cases, 93 to
+97 % of the fitted values must lie within two error bars of the truth. In the other cases, the data cannot determine one
+of the values by construction. The fit must report this value.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from benchmarks.reports import Report
 from softcradle import scenes, simulate
 
 CASES = 200
-EVERY_WHICH = 8  # One of so many cases cannot determine a value.
-WITHIN = 2.0  # Error bars.
-GOAL = (0.93, 0.97)  # Share of values within WITHIN error bars.
+EVERY_WHICH = 8  # Among this many cases, one has a value that the data cannot determine.
+WITHIN = 2.0  # Allowed distance of a fitted value from its true value, in error bars.
+GOAL = (0.93, 0.97)  # Wanted range of the fraction of values within WITHIN error bars.
 KINDS = ("power_law", "draft_gear", "hertz", "hooke", "step_force", "preloaded", "coupler")
 IMPOSSIBLE = ("scale of masses", "contact that never closes", "stiff contact at 30 frames a second")
 
 
 @dataclass
 class Case:
-    """Synthetic data and the result of the fit.
+    """Synthetic data of one random scene, and the result of the fit.
 
     Attributes:
         kind: contact law, or the reason why a value cannot be determined.
@@ -53,14 +53,14 @@ class Case:
     found: SceneFit | None = None
 
     def solve(self) -> Case:
-        """Fit the data and return this case."""
+        """Fit the data of this case, and return the case."""
         self.found = fit(self.start, self.data, self.free, quantities=self.quantities)
         return self
 
 
 @dataclass
 class Counts:
-    """Numbers of values: fitted, within two error bars, and undetermined; and scaled errors."""
+    """Numbers of values that are fitted, within two error bars, and undetermined. It also contains the scaled errors."""
 
     values: int = 0
     within: int = 0
@@ -68,7 +68,7 @@ class Counts:
     scaled: list[float] = field(default_factory=list)
 
     def add(self, case: Case) -> None:
-        """Count the values of a case that are not hidden."""
+        """Count the values of a case, except its hidden values."""
         found = case.found
         assert found is not None
         for name, value, error, known in zip(found.names, found.values, found.errors, found.determined, strict=True):
@@ -84,7 +84,7 @@ class Counts:
 
 
 def law(kind: str, draw: np.random.Generator, loss: float) -> dict[str, Any]:
-    """Return the table of a random contact law."""
+    """Return a random contact law as a table."""
     size = 10.0 ** draw.uniform(1.0, 3.0)
     numbers: dict[str, dict[str, Any]] = {
         "power_law": {"f0": size / 10.0, "alpha": float(draw.uniform(0.1, 0.8))},
@@ -100,7 +100,7 @@ def law(kind: str, draw: np.random.Generator, loss: float) -> dict[str, Any]:
 
 
 def case_of(number: int, seed: int) -> Case:
-    """Return a case from its number and the seed of the scan."""
+    """Return the random case that is generated from its number and the seed of the scan."""
     draw = np.random.default_rng([seed, number])
     impossible = number % EVERY_WHICH == EVERY_WHICH - 1
     which = number // EVERY_WHICH % len(IMPOSSIBLE)
@@ -134,7 +134,7 @@ def case_of(number: int, seed: int) -> Case:
 
 
 def _more(kind: str, draw: np.random.Generator, beads: int) -> list[str]:
-    """Return one or two more free values."""
+    """Return the paths of one or two additional free values."""
     numbers = {
         "power_law": "f0", "draft_gear": "stiffness", "hertz": "stiffness", "hooke": "stiffness", "step_force": "f0",
         "preloaded": "stiffness", "coupler": "push.stiffness",
@@ -149,7 +149,7 @@ def _more(kind: str, draw: np.random.Generator, beads: int) -> list[str]:
 def _with_data(
     number: int, kind: str, scene: scenes.Scene, free: list[str], hidden: Sequence[str], draw: np.random.Generator
 ) -> Case:
-    """Return the case with noisy data, and with other values at the start of the search."""
+    """Return the case with noisy data, and with wrong values at the start of the search."""
     lane = scene.lanes[0]
     frames = 30.0 if kind == IMPOSSIBLE[2] else float(draw.choice([100.0, 200.0, 400.0]))
     delay = float(draw.uniform(0.02, 0.1)) if "start" in free else 0.0
@@ -178,7 +178,7 @@ def _with_data(
 
 
 def summary(cases: Sequence[Case]) -> Report:
-    """Return the table of the results by kind."""
+    """Return the table of results with one row for each kind of case."""
     kinds = dict.fromkeys([*KINDS, *IMPOSSIBLE])
     total, rows, data = Counts(), list[list[str]](), dict[str, Any]()
     reported = hidden = 0

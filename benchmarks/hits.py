@@ -1,8 +1,8 @@
 """``python -m benchmarks hits [--chains N] [--seed N]``: compare tables of hits of random chains with the reference.
 
-The reference integrates the equations of motion with SciPy and shares no kernel with the method that is tested. Its dense
-solution gives the contact times, the speeds, the largest forces by a root search of the overlap rate, and the dissipated
-energies by quadrature of force times rate.
+The reference integrates the equations of motion with SciPy and shares no kernel with the tested method. Its dense
+solution gives the contact times and the speeds. A root search of the overlap rate gives the largest forces. The
+dissipated energies are the integrals of force times rate.
 """
 
 from __future__ import annotations
@@ -31,16 +31,19 @@ from softcradle import Chain, Contact, draft_gear, hertz, hooke, power_law, simu
 Array = NDArray[np.float64]
 
 CHAINS = 1000
-TOLERANCE = 1e-6  # Of the tested runs, relative to the closing speed.
-FINE = 1e-8  # Of the reference. A finer one would need minutes for a soft contact.
-# Allowed error of a value, in tolerances times its scale. Errors of bounces are amplified by later ones.
+TOLERANCE = 1e-6  # Tolerance of the tested simulations, relative to the closing speed.
+FINE = 1e-8  # Tolerance of the reference. A smaller tolerance would take minutes for a soft contact.
+# Allowed error of a value in units of the tolerance times its scale. Later collisions amplify the errors of earlier
+# ones.
 ALLOWED = 100.0
-LOOKS = 33  # Times in a hit at which the reference looks for the largest overlap.
+LOOKS = 33  # Number of times in a collision at which the reference looks for the largest overlap.
 COMPARED = tuple(name for name in COLUMNS if name != "contact")
 
 
 def random_chain(seed: int) -> tuple[Chain, Array]:
-    """Return a chain of 2 or 3 beads with contacts of all kinds, half of the chains with loss, and its velocities."""
+    """Return a random chain of 2 or 3 beads with its velocities. All kinds of contacts occur, and half of the chains
+    have loss.
+    """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(1, 3))
     lossy = draw.random() < 0.5
@@ -63,7 +66,10 @@ def random_chain(seed: int) -> tuple[Chain, Array]:
 
 
 def reference_hits(chain: Chain, velocity: Array) -> Array | None:
-    """Return the table of the reference as rows (contact, begin, end, ...), or None without a full table."""
+    """Return the table of collisions by the reference as rows (contact, begin, end, ...).
+
+    Return None if the table would not be complete.
+    """
     solved = _Run(Problem(chain, State.at_start(chain, velocity), "scipy", None, tolerance=FINE), None)
     solved.begin()
     solved.until(np.inf)
@@ -86,8 +92,8 @@ def reference_hits(chain: Chain, velocity: Array) -> Array | None:
 
 
 def _numbers(solved: _Run, chain: Chain, contact: int, begin: float, end: float) -> tuple[float, float, float, float]:
-    """Return impulse, closing speed, largest force and dissipated energy of a hit."""
-    # The state at the end of the run is its last sample, so times are kept below it.
+    """Return impulse, closing speed, largest force and dissipated energy of a collision."""
+    # The state at the end of the simulation is its last sample, so times are kept below the end.
     ends = np.array([begin, np.nextafter(end, begin)])
     rows = solved.samples(ends)
     bead = from_anchor(rows["rate"], rows["anchor"][:, 1], chain.anchor)
@@ -110,7 +116,7 @@ def _numbers(solved: _Run, chain: Chain, contact: int, begin: float, end: float)
 
 
 def _work(solved: _Run, contact: int, begin: float, end: float) -> float:
-    """Return the work [J] on the contact during a hit, by Gauss quadrature in every step of the integrator."""
+    """Return the work [J] on the contact during a collision, by Gauss quadrature in every step of the integrator."""
     total = 0.0
     for segment in solved.segments:
         edges = segment.start + segment.scale * segment.solution.ts
@@ -127,10 +133,12 @@ def _work(solved: _Run, contact: int, begin: float, end: float) -> float:
 
 @dataclass(frozen=True)
 class Compared:
-    """Result of one chain: number of hits, and the largest error of each column in tolerances times its scale.
+    """Result of one chain: the number of collisions, and the largest error of each column of the table.
+
+    The errors are in units of the tolerance times the scale of the column.
 
     Attributes:
-        growth: estimated error of the run relative to its tolerance, at least 1.
+        growth: estimated error of the simulation relative to its tolerance, at least 1.
     """
 
     seed: int
@@ -141,7 +149,7 @@ class Compared:
 
 
 def compare(seed: int) -> Compared | None:
-    """Compare one chain; return None if the reference gives up or if a contact stays closed."""
+    """Compare one chain with the reference. Return None if the reference gives up or if a contact stays closed."""
     chain, velocity = random_chain(seed)
     with np.errstate(under="ignore"):  # Powers of overlaps close to 0 underflow.
         expected = reference_hits(chain, velocity)
@@ -158,7 +166,8 @@ def compare(seed: int) -> Compared | None:
         return Compared(seed, len(expected), False, (np.inf,) * len(COMPARED), growth)
     found = np.array([[row[name] for name in COMPARED] for row in table])
     energy = 0.5 * float(np.asarray(chain.mass) @ velocity**2)
-    # A contact time changes with the speed by its duration, and with a bead's place by the time since the start.
+    # An error of the speed changes a contact time in proportion to its duration. An error of the position changes it in
+    # proportion to the time since the start.
     span = expected[:, 2]
     scales = np.array([
         span, span, np.full(len(span), 2.0 * float(np.sum(chain.mass)) * speed), np.full(len(span), speed), expected[:, 5],
@@ -169,7 +178,7 @@ def compare(seed: int) -> Compared | None:
 
 
 def numbers_of(seed: int) -> dict[str, object]:
-    """Return the result of `compare` as numbers; no hits without a table of the reference."""
+    """Return the result of `compare` as numbers. The number of collisions is 0 if the reference has no table."""
     one = compare(seed)
     if one is None:
         return {"hits": 0.0, "same": 0.0, "errors": [np.nan] * len(COMPARED), "growth": np.nan}
@@ -177,7 +186,7 @@ def numbers_of(seed: int) -> dict[str, object]:
 
 
 def results(seed: int, count: int, progress: Progress | None = None) -> list[Compared]:
-    """Return the results of the chains of `count` seeds for which the reference has a table."""
+    """Return the results of the random chains of `count` seeds. Chains without a table by the reference are left out."""
     rows = map_points(numbers_of, grid({"seed": list(range(seed, seed + count))}), None, progress, alike=False)
     return [
         Compared(seed + k, int(row["hits"]), bool(row["same"]), tuple(row["errors"].tolist()), float(row["growth"]))
@@ -187,7 +196,7 @@ def results(seed: int, count: int, progress: Progress | None = None) -> list[Com
 
 
 def summary(found: list[Compared]) -> Report:
-    """Return the table of errors of each column."""
+    """Return a table with the errors of each column of the tables of collisions."""
     same = [one for one in found if one.same]
     errors = np.array([one.errors for one in same]) if same else np.zeros((0, len(COMPARED)))
     growth = np.array([one.growth for one in same])
@@ -209,7 +218,7 @@ def summary(found: list[Compared]) -> Report:
 
 
 def main(arguments: list[str]) -> int:
-    """Compare the chains and print the table. Return 1 if a chain has other hits or a larger error."""
+    """Compare the chains and print the table. Return 1 if a chain has other collisions or a too large error."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks hits", description=__doc__.splitlines()[0])
     parser.add_argument("--chains", type=int, default=CHAINS, help=f"number of chains (default {CHAINS})")
     parser.add_argument("--seed", type=int, default=0, help="first seed (default 0)")

@@ -1,4 +1,4 @@
-"""Results stored one by one as JSON lines, so that an interrupted command can continue."""
+"""Storage of results as JSON lines. Each result is written at once, so an interrupted command can continue."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from typing import Any
 
 
 def lines(path: Path) -> Iterator[dict[str, Any]]:
-    """Yield the entries of a file of JSON lines (compressed if its name ends in .gz); skip a line that was cut off."""
+    """Yield the entries of a file of JSON lines. The file is compressed if its name ends in .gz.
+
+    A line that was cut off is skipped.
+    """
     if not path.exists():
         return
     data = path.read_bytes()
@@ -24,6 +27,7 @@ def lines(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def append(path: Path, entry: Mapping[str, Any]) -> None:
-    """Append an entry to the file."""
+    """Append one entry to the file."""
     with path.open("a", encoding="utf-8") as file:
-        file.write("\n" + json.dumps(entry))  # a line that was cut off does not spoil the next one
+        # The line break comes first, so a line that was cut off does not damage the next line.
+        file.write("\n" + json.dumps(entry))

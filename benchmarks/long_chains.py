@@ -1,7 +1,8 @@
-"""Long chains with `accurate`: a collision with a thousand beads, a pulse through part of a Hertz chain, random rows.
+"""Long chains with the method `accurate`.
 
-In a row of equal beads with exponents above 1, a wave leaves the beads behind it with nearly the same velocity. The
-computed differences are numerical noise, which must not become a motion. Other rows really chatter behind a wave.
+The cases are a collision with a thousand beads, a pulse through part of a Hertz chain, and random chains. In a chain of
+equal beads with exponents above 1, a wave leaves the beads behind it with nearly the same velocity. The computed
+differences are numerical noise, which must not become a motion. In other chains, beads really chatter behind a wave.
 """
 
 from __future__ import annotations
@@ -16,24 +17,25 @@ from softcradle.physics.simulation import solve
 
 from benchmarks.reports import Report, at_most
 
-SPEED = 0.8405  # speed of the pulse: contacts per second, for beads of 1 kg, 1 N/m**1.5 and an impact at 1 m/s
-BEADS = 100_000  # beads of the Hertz chain
-ROWS, SEED = 100, 5  # random rows
-FINER = 1e-2  # factor of the tolerance for the run that an error is measured against
+SPEED = 0.8405  # Speed of the pulse in contacts per second, for beads of 1 kg, 1 N/m**1.5 and an impact at 1 m/s.
+BEADS = 100_000  # Number of beads of the Hertz chain.
+ROWS, SEED = 100, 5  # Number and seed of the random chains.
+# Factor between the tolerance and the smaller tolerance of the simulation from which an error is measured.
+FINER = 1e-2
 
 
 class LongRun(NamedTuple):
-    """A run and its goal."""
+    """Simulation of a long chain, and its wanted time."""
 
     name: str
     chain: Chain
-    duration: float | None  # [s]
+    duration: float | None  # Duration of the simulation [s].
     tolerance: float
-    aim: float  # goal for the processor time [s]
+    aim: float  # Wanted processor time [s].
 
 
 def runs() -> list[LongRun]:
-    """Return the runs."""
+    """Return the simulations of long chains."""
     deep, pulse = one_on(1000, power_law(1.0, 0.1)), one_on(BEADS, hertz(1.0))
     return [
         LongRun("one on 1000, alpha 1/10, at 1e-6", deep, None, 1e-6, 1.0),
@@ -43,8 +45,8 @@ def runs() -> list[LongRun]:
 
 
 def measure() -> dict[str, dict[str, float]]:
-    """Measure processor time [s], steps and their error for each run."""
-    simulate(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0], samples=2)  # loads the kernels
+    """Measure processor time [s], number of steps and error of each simulation."""
+    simulate(one_on(4, power_law(1.0, 0.1)), np.eye(1, 5)[0], samples=2)  # The first simulation loads the kernels.
     found = {}
     for name, chain, duration, tolerance, aim in runs():
         began = process_time()
@@ -59,7 +61,10 @@ def measure() -> dict[str, dict[str, float]]:
 
 
 def random_rows(count: int = ROWS, seed: int = SEED) -> Iterator[dict[str, float]]:
-    """Yield cost and result of one on 60 to 1500 equal beads with random exponents from 1.1 to 3."""
+    """Yield cost and result of random collisions of one bead with 60 to 1500 equal beads.
+
+    The exponents are random and between 1.1 and 3.
+    """
     draw = np.random.default_rng(seed)
     for _ in range(count):
         beads, tolerance = int(60.0 * 25.0 ** draw.random()), float(10.0 ** draw.uniform(-8.0, -4.0))
@@ -97,7 +102,7 @@ def _random_report() -> Report:
 
 
 def reports() -> Iterator[Report]:
-    """Yield seconds and their goals, and the random rows."""
+    """Yield a table of times with their goals, and a table for the random chains."""
     yield _random_report()
     found = measure()
     rows = [

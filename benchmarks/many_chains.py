@@ -1,5 +1,6 @@
-"""Very many short chains: `ensemble_ends` compared with `ensemble` on one core, and the time of 1e5 collisions on all
-cores.
+"""Simulation of very many short chains.
+
+`ensemble_ends` is compared with `ensemble` on one core. The time of 1e5 collisions is measured on all cores.
 """
 
 from __future__ import annotations
@@ -14,13 +15,14 @@ from softcradle.physics.ensemble_runs import cores
 
 from benchmarks.reports import Report, at_least, at_most
 
-CHAINS = 2000  # chains in a round of `ensemble_ends`
-ALONE = 200  # chains in a round of `ensemble`, a part of the same
-COLLISIONS = 10_000  # collisions of one on four at 1e-6, a tenth of the number in the goal
+CHAINS = 2000  # Number of chains in a round of `ensemble_ends`.
+ALONE = 200  # Number of chains in a round of `ensemble`. They are a part of the chains of `ensemble_ends`.
+# Number of collisions of one bead with four at tolerance 1e-6. It is a tenth of the number in the goal.
+COLLISIONS = 10_000
 TARGETS = 4
 TOLERANCE = 1e-6
-RATE_AIM = 3.0  # goal for the rate relative to `ensemble`
-SECONDS_AIM = 8.0  # goal in seconds for 1e5 collisions on two cores
+RATE_AIM = 3.0  # Wanted speed relative to `ensemble`.
+SECONDS_AIM = 8.0  # Wanted time for 1e5 collisions on two cores [s].
 ROUNDS = 3
 
 CASES: dict[str, Callable[[float], Contact]] = {
@@ -33,7 +35,10 @@ METHODS = ("verlet", "yoshida4")
 
 
 def measure(law: Callable[[float], Contact], method: str, chains: int = CHAINS, alone: int = ALONE) -> dict[str, float]:
-    """Return processor milliseconds of a collision with each function (shortest round, default steps), and their ratio."""
+    """Return the processor time [ms] of a collision with each of the two functions, and their ratio.
+
+    The time is that of the shortest round. Methods use their default steps.
+    """
     each = [one_on(TARGETS, law(part)) for part in np.linspace(0.0, 1.0, chains).tolist()]
     start, some = np.eye(1, TARGETS + 1)[0], each[:: max(1, chains // alone)][:alone]
     batch, found = ChainBatch.of(each), {"ends": np.inf, "ensemble": np.inf}
@@ -42,15 +47,16 @@ def measure(law: Callable[[float], Contact], method: str, chains: int = CHAINS, 
         ensemble_ends(batch, start, method=method, workers=1)
         between = process_time()
         ensemble(some, [start] * len(some), method=method, workers=1)
-        if k:  # the first round loads kernels
+        if k:  # The first round does not count because it loads kernels.
             found["ends"] = min(found["ends"], 1e3 * (between - began) / chains)
             found["ensemble"] = min(found["ensemble"], 1e3 * (process_time() - between) / len(some))
     return {**found, "ratio": found["ensemble"] / found["ends"]}
 
 
 def measure_collisions(count: int = COLLISIONS) -> dict[str, float]:
-    """Return seconds of 1e5 collisions of one on four at 1e-6 with `accurate` on all cores, and processor milliseconds
-    of one.
+    """Return the seconds for 1e5 collisions on all cores, and the processor time [ms] of one collision.
+
+    One bead hits four, and the method is `accurate` with tolerance 1e-6.
     """
     exponents = np.linspace(0.099, 0.101, count)[:, None]
     start, best, work = np.eye(1, TARGETS + 1)[0], np.inf, np.inf

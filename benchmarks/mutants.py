@@ -1,8 +1,8 @@
-"""``python -m benchmarks mutants``: change kernels in one place each with cosmic-ray, and count which changes their
-tests notice.
+"""``python -m benchmarks mutants``: change the kernels with cosmic-ray, and count the changes that tests notice.
 
-The kernels run as plain Python, in a copy of the tree. The session of each room is stored in ``out/mutants``, so an
-interrupted run continues. cosmic-ray's ``cr-report`` and ``cr-html`` show each change with the output of the tests.
+Each change affects one place. The kernels run as plain Python, in a copy of the source tree. The results of each part
+of the engine are stored in ``out/mutants``, so an interrupted command continues. cosmic-ray's ``cr-report`` and
+``cr-html`` show each change with the output of the tests.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from benchmarks.reports import Report
 
 ROOT = Path(__file__).parents[1]
 COPIED = ("softcradle", "physics", "scenes", "sandbox", "assets", "tests", "benchmarks", "pyproject.toml")
-ROOMS = {  # sources, and the arguments of pytest that select their tests
+ROOMS = {  # Source files of each part of the engine, and the arguments of pytest that select their tests.
     "law": (
         ("physics/numerics/law_kernels.py", "physics/numerics/law_curve.py", "physics/contact.py"),
         (
@@ -65,17 +65,18 @@ ROOMS = {  # sources, and the arguments of pytest that select their tests
         ),
     ),
 }
-# Changes without meaning for a kernel in plain Python: the decorator that compiles it, and operators of whole numbers.
+# Changes that are left out because they mean nothing for a kernel in plain Python. They are the decorator that compiles
+# the kernel, and operators of whole numbers.
 LEFT_OUT = (
     r"core/(RemoveDecorator|ExceptionReplacer|.*_(BitOr|BitAnd|BitXor|LShift|RShift|FloorDiv|Mod|Pow|Invert|Is|IsNot))$"
 )
-# Longest time [s] for the tests of a mutant. Those of a room take ten seconds, and twice that on a busy machine.
+# Longest time for the tests of a mutant [s]. The tests of one part take ten seconds, and twice that on a busy machine.
 PATIENCE = 120.0
 PYTEST = "-m pytest -x -q -n 0 -p no:cacheprovider -m 'not slow'"
 
 
 def main(arguments: list[str]) -> int:
-    """Test mutants of each room and print the table."""
+    """Test the mutants of each part of the engine, and print the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks mutants", description=__doc__.splitlines()[0])
     parser.add_argument(
         "--of", nargs="+", choices=ROOMS, default=list(ROOMS), metavar="ROOM", help=f"of {', '.join(ROOMS)}"
@@ -98,7 +99,7 @@ def main(arguments: list[str]) -> int:
 
 
 def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
-    """Test the remaining mutants of a room's session, and count."""
+    """Test the remaining mutants of one part of the engine, and return its row of counts."""
     from cosmic_ray.commands import execute, init
     from cosmic_ray.config import ConfigDict
     from cosmic_ray.work_db import use_db
@@ -113,18 +114,19 @@ def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
             _draw(work, count, seed)
         os.environ |= {"NUMBA_DISABLE_JIT": "1", "PYTEST_ADDOPTS": "", "PYTHONPATH": str(tree)}
         command = f"{sys.executable} {PYTEST} {' '.join(tests)}"
-        # the tests pass on the unchanged source
+        # This checks that the tests pass on the unchanged source.
         subprocess.run(command, shell=True, check=True, stdout=subprocess.DEVNULL)
         execute(work, ConfigDict({"test-command": command, "timeout": PATIENCE, "distributor": {"name": "local"}}))
         results = [result.test_outcome for _, result in work.results if result.worker_outcome == WorkerOutcome.NORMAL]
-    found = [outcome for outcome in results if outcome != TestOutcome.INCOMPETENT]  # no test ran for the others
+    # An incompetent mutant is one for which no test ran.
+    found = [outcome for outcome in results if outcome != TestOutcome.INCOMPETENT]
     killed = sum(outcome == TestOutcome.KILLED for outcome in found)
     listed = ", ".join(f"`{source}`" for source in sources)
     return [room, listed, str(len(found)), str(killed), f"{100.0 * killed / max(1, len(found)):.0f} %"]
 
 
 def _copy(tree: Path) -> None:
-    """Copy the current tree, so that sources can be changed there."""
+    """Copy the current source tree, because the sources are changed in the copy."""
     shutil.rmtree(tree, ignore_errors=True)
     tree.mkdir(parents=True)
     for name in COPIED:
@@ -135,7 +137,7 @@ def _copy(tree: Path) -> None:
 
 
 def _draw(work: object, count: int, seed: int) -> None:
-    """Reduce a session to `count` mutants."""
+    """Reduce a session of cosmic-ray to `count` random mutants."""
     import re
 
     from cosmic_ray.work_item import WorkerOutcome, WorkResult

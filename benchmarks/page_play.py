@@ -1,10 +1,10 @@
-"""Random play with the page of a scene: an hour of its own time through its own events, and its cost.
+"""Random play with the page of a scene, for an hour of the page's time, and a measurement of its cost.
 
     python -m benchmarks.page_play [MINUTES] [SCENE]
 
-Beads are grabbed, pulled and released, keys typed, every slider, list, box and button used, links opened. It fails if a
-number is not finite, if the energy differs from its initial value plus the work of the hand by more than BOOKED, if the
-script throws, or if memory grows.
+The events of the page are used. Beads are grabbed, pulled and released. Keys are typed. Every slider, list, box and
+button is used, and links are opened. The test fails if a number is not finite, if the script raises an error, or if the
+memory grows. It also fails if the energy differs from its initial value plus the work of the hand by more than BOOKED.
 """
 
 from __future__ import annotations
@@ -18,14 +18,16 @@ from softcradle.sandbox.scene_runs import load_scene
 
 from tools.browser import Browser
 
-BOOKED = 1e-10  # largest relative error of the energy
-PICTURES = 60  # pictures per second of the page's time
-CHUNK = 1800  # pictures in one call
-MOST_SPEED = 100.0  # largest speed that hands, and beads pushed by beads, may reach, in closing speeds of the scene
-LEAST_MOVED = 0.5  # smallest share of the pictures in which time moves on
-MOST_GROWN = 8e6  # bytes of memory that an hour may add: texts and caches of the browser
-MEASURED = 240  # pictures whose cost is measured
-DESK, TELEPHONE = (1280, 900, 1.0), (390, 844, 3.0)  # width and height [CSS pixels], and device pixels per CSS pixel
+BOOKED = 1e-10  # Largest allowed relative error of the energy.
+PICTURES = 60  # Number of pictures per second of the page's time.
+CHUNK = 1800  # Number of pictures in one call of the page.
+# Largest speed that the user's hand, or a bead pushed by other beads, may reach, in units of the closing speed.
+MOST_SPEED = 100.0
+LEAST_MOVED = 0.5  # Smallest allowed fraction of the pictures in which the time advances.
+MOST_GROWN = 8e6  # Number of bytes that memory may grow in an hour. The browser keeps texts and caches.
+MEASURED = 240  # Number of pictures whose cost is measured.
+# Width and height of a screen [CSS pixels], and its device pixels per CSS pixel.
+DESK, TELEPHONE = (1280, 900, 1.0), (390, 844, 3.0)
 COSTS = (
     ("#with=none", 1, DESK),
     ("#with=none", 4, DESK),
@@ -33,12 +35,12 @@ COSTS = (
     ("#with=none", 4, TELEPHONE),
     ("#with=steel", 4, TELEPHONE),
     ("#n=49&with=none", 1, DESK),
-)  # experiment, throttling factor of the processor, and screen
+)  # Each entry contains an experiment, a throttling factor of the processor, and a screen.
 SCRIPTS = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
 
 def play(browser: Browser, page: Path, minutes: float) -> None:
-    """Play for this time and print the result."""
+    """Play for `minutes` of the page's time, and print the result."""
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"{SCRIPTS}; prelude()")
     browser.visit(page, "")
     seed, off, done, moved, used = 1, 0.0, 0, 0, []
@@ -69,17 +71,17 @@ def play(browser: Browser, page: Path, minutes: float) -> None:
 
 
 def costs(browser: Browser, page: Path) -> None:
-    """Print the processor time of the page's thread per picture: physics, script, and the rest.
+    """Print the processor time of the page's thread per picture, divided into physics, script, and the rest.
 
-    Other processes do not affect it. The rest is the browser's own work: layout, and painting, which a headless browser
-    does without a graphics card.
+    Other processes do not affect this time. The rest is the work of the browser itself: layout and painting. A headless
+    browser paints without a graphics card.
     """
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=SCRIPTS)
     for fragment, rate, screen in COSTS:
         browser.device(*screen)
         browser.visit(page, fragment)
         browser.call("Performance.enable", timeDomain="threadTicks")
-        browser.run(f"marched({PICTURES}), shown({PICTURES})")  # compiles
+        browser.run(f"marched({PICTURES}), shown({PICTURES})")  # The first call compiles the kernels.
         browser.call("Emulation.setCPUThrottlingRate", rate=rate)
         browser.run("page.again(), page.pause()")
         physics = spent(browser, f"marched({MEASURED})")["TaskDuration"]
@@ -95,8 +97,9 @@ def costs(browser: Browser, page: Path) -> None:
 
 
 def spent(browser: Browser, script: str) -> dict[str, float]:
-    """Return milliseconds per picture of the page's thread by kind, and the value of the script, which shows MEASURED
-    pictures.
+    """Return milliseconds per picture of the page's thread by kind, and the value of the script.
+
+    The script shows MEASURED pictures.
     """
     before = browser.call("Performance.getMetrics")["metrics"]
     value = browser.run(script)

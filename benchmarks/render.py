@@ -1,7 +1,8 @@
-"""Rate of rendering: drawing only, one encoder only, both in sequence, and segments encoded in parallel.
+"""Speed of rendering a film in several ways.
 
-All encode the frames of the scene's film, because moving pictures cost the encoder more than still ones. The rates need
-an otherwise idle machine; the processor times hardly depend on other load.
+The ways are drawing only, one encoder only, both in sequence, and segments encoded in parallel. All ways encode the
+frames of the scene's film, because moving pictures cost the encoder more than still pictures. The frame rates need an
+otherwise idle machine. The processor times hardly depend on other load.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ from softcradle import scenes
 if TYPE_CHECKING:
     from pygame import Surface
 
-RATE = 60.0  # frames per second of the film
-MOST_FRAMES = 360  # frames in a round
+RATE = 60.0  # Frames per second of the film.
+MOST_FRAMES = 360  # Largest number of frames in a round.
 WAYS = {
     "drawing": "drawing alone",
     "encoder": "one encoder alone",
@@ -35,14 +36,16 @@ WAYS = {
 
 
 def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]:
-    """Return frames per second and processor milliseconds per frame of each way: medians of `rounds` interleaved
-    rounds.
+    """Return frames per second and processor milliseconds per frame for each way.
+
+    They are medians of `rounds` rounds, in which the ways alternate.
     """
     scene = scenes.load(name)
     motions = scene_motions(scene, RATE * scene.view.slow)
     picture = Picture(scene, motions, size)
     shots = shot_list(scene, len(motions[0].time), RATE)
-    shots = shots[:: max(1, len(shots) // MOST_FRAMES)]  # keeps the share of still pictures as in the film
+    # The selected frames contain the same fraction of still pictures as the film.
+    shots = shots[:: max(1, len(shots) // MOST_FRAMES)]
     ready = [_painted(picture, shot, picture.background.copy()) for shot in shots]
     with tempfile.TemporaryDirectory() as folder:
         results = [_round(picture, shots, ready, size, Path(folder)) for _ in range(rounds)]
@@ -59,7 +62,7 @@ def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]
 def _round(
     picture: Picture, shots: list[Shot], ready: list[Surface], size: tuple[int, int], folder: Path
 ) -> dict[str, tuple[float, float]]:
-    """Return wall and processor time [s] of each of WAYS."""
+    """Return wall time and processor time [s] of each of WAYS."""
     canvas = picture.background.copy()
 
     def drawing() -> None:
@@ -69,7 +72,7 @@ def _round(
     def encoder() -> None:
         with open_film(folder / "ready.mp4", size, RATE) as film:
             for surface in ready:
-                film.free_surface()  # waits like a drawing thread; the frames themselves are ready
+                film.free_surface()  # This waits like a drawing thread, although the frames themselves are ready.
                 film.add(surface)
 
     def in_order() -> None:
@@ -96,7 +99,7 @@ def _painted(picture: Picture, shot: Shot, surface: Surface) -> Surface:
 
 
 def reports() -> Iterator[Report]:
-    """Yield the frames per second of each way."""
+    """Yield a table with the frames per second of each way."""
     found = measure("one-on-four", (1280, 720))
     rows = [[title, f"{found[way]:.0f}", f"{found[f'{way}_ms']:.2f}"] for way, title in WAYS.items()]
     rows.append(["segments over in order", at_least(f"{found['gain']:.2f}", found["gain"], 1.7), ""])

@@ -1,4 +1,4 @@
-"""Report: a table to print, and its numbers for the JSON file."""
+"""Report of a benchmark: a table to print, and its numbers for the JSON file."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from rich.table import Table
 
 @dataclass(frozen=True)
 class Report:
-    """Table with notes, and the same as plain data.
+    """Table with notes. It contains the same numbers as plain data.
 
     Attributes:
-        title: what was measured.
+        title: description of the measured quantity.
         columns, rows: the table as text; goals are in brackets after the values.
         notes: sentences below the table.
         data: the numbers of the table for JSON.
@@ -50,7 +50,10 @@ class Report:
 
 
 def at_most(value: float | None, aim: float | None) -> str:
-    """Return a measured value with its goal in brackets, marked if the value is larger; a dash without a value."""
+    """Return a measured value as text with its goal in brackets. A value that is larger than the goal is marked.
+
+    Without a value, return a dash.
+    """
     if value is None:
         return "-" if aim is None else f"- ({aim:g}) missed"
     shown = f"{value:.3g}" if value < 1000 else f"{value:.0f}"
@@ -60,5 +63,5 @@ def at_most(value: float | None, aim: float | None) -> str:
 
 
 def at_least(shown: str, value: float, aim: float) -> str:
-    """Return the text `shown` of a value with its goal in brackets, marked if the value is smaller."""
+    """Return the text `shown` of a value with its goal in brackets. A value that is smaller than the goal is marked."""
     return f"{shown} (at least {aim:g})" + ("" if value >= aim else " missed")

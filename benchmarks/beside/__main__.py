@@ -1,11 +1,11 @@
-"""Cradle between two walls in softcradle, pymunk and web engines.
+"""Comparison of a cradle between two walls in softcradle, pymunk and web engines.
 
     python -m benchmarks.beside > docs/measured/beside.md
 
-Five balls of 1 kg and 1 m touch. The first one arrives with 1 m/s from a distance of a metre, and there is a metre of
-room to the walls on both sides. Steel balls are hard and lose nothing (in softcradle: Hertz). Soft balls push with f0 *
-overlap**0.1; in engines without such a contact, this force is applied before each step. Needs node, and `npm install`
-in this folder.
+Five balls of 1 kg and 1 m touch. The first ball arrives with 1 m/s from a distance of a metre. There is a metre of room
+to the walls on both sides. Steel balls are hard and lose no energy (in softcradle: Hertz). Soft balls push with f0 *
+overlap**0.1. In engines without such a contact, this force is applied before each step. The command needs node, and
+`npm install` in this folder.
 """
 
 from __future__ import annotations
@@ -26,18 +26,21 @@ from softcradle import Chain, SoftChain, hertz, power_law, simulate
 TIMES = "\u00d7"
 HERE = Path(__file__).parent
 RADIUS, GAP, SPEED, BALLS = 0.5, 1.0, 1.0, 5
-SOFT, STEEL = (1.0, 0.1), 500.0  # f0 and alpha; Hertz stiffness, at which two balls overlap by 7 % of a diameter
+# Strength f0 and exponent alpha of the soft balls, and Hertz stiffness of the steel balls. With it, two steel balls
+# overlap by 7 % of a diameter.
+SOFT, STEEL = (1.0, 0.1), 500.0
 STEP = 1 / 60
-MOST, LONGEST = 1000, 4000.0  # number of collisions, and seconds within which they must happen
-FIRST = {"steel": 1.7, "soft": 3.5}  # s, when the first collision is over and no wall has been hit
-# m; a gap that falls below this (more than a step's movement) after it was twice as large is a collision
+MOST, LONGEST = 1000, 4000.0  # Number of collisions, and the longest time for them [s].
+FIRST = {"steel": 1.7, "soft": 3.5}  # Time [s] after the first collision and before a ball hits a wall.
+# Gap [m] from which on two balls count as touching. It is larger than the movement in a step. A gap that falls below
+# it, after it was twice as large, is counted as a collision.
 TOUCHING = 0.02
 PLACES = [k - BALLS / 2 + 0.5 - (GAP if k == 0 else 0.0) for k in range(BALLS)]
-WALLS = [PLACES[0] - RADIUS - GAP, PLACES[-1] + RADIUS + GAP]  # their faces
+WALLS = [PLACES[0] - RADIUS - GAP, PLACES[-1] + RADIUS + GAP]  # Positions of the surfaces of the walls.
 
 
 def setup(kind: str, step: float) -> dict:
-    """Return the start for an engine; walls are half a metre thick."""
+    """Return the initial state for an engine. The walls are half a metre thick."""
     return {
         "places": PLACES, "speeds": [SPEED] + [0.0] * (BALLS - 1), "radius": RADIUS, "step": step, "law": SOFT,
         "walls": [WALLS[0] - 0.5, WALLS[1] + 0.5], "rigid": kind == "steel", "most": MOST, "first": FIRST[kind],
@@ -46,7 +49,7 @@ def setup(kind: str, step: float) -> dict:
 
 
 def by_softcradle(kind: str, step: float) -> dict:
-    """Run with the method conserving and walls of infinite mass."""
+    """Simulate with the method conserving and walls of infinite mass."""
     contact = hertz(STEEL) if kind == "steel" else power_law(*SOFT)
     chain = Chain([math.inf, *[1.0] * BALLS, math.inf], contact, gap=[GAP, GAP, *[0.0] * (BALLS - 2), GAP])
     start = [0.0, SPEED, *[0.0] * BALLS]
@@ -63,7 +66,10 @@ def by_softcradle(kind: str, step: float) -> dict:
 
 
 def by_pymunk(kind: str, step: float, chain: bool) -> dict:
-    """Run hard balls, forces before each step, or (with `chain`) softcradle's contacts."""
+    """Simulate with pymunk.
+
+    The balls are hard, or forces are applied before each step. With `chain`, the contacts are those of softcradle.
+    """
     space = pymunk.Space()
     balls = [pymunk.Body(1.0, math.inf) for _ in range(BALLS)]
     ends = [pymunk.Body(body_type=pymunk.Body.STATIC) for _ in WALLS]
@@ -139,7 +145,7 @@ def _stored(x: np.ndarray) -> float:
 
 
 def row(name: str, found: dict) -> str:
-    """Return a line of the table."""
+    """Return one row of the table as text."""
     energy = found["energy"] / (0.5 * SPEED**2)
     change = f"{energy - 1:+.0e}".replace("-", MINUS) if abs(energy - 1) < 0.005 else f"{TIMES} {energy:.3g}"
     order, seen = "kept" if found["ordered"] else "lost", f"{found['collisions']} in {found['time']:.0f} s"

@@ -1,7 +1,7 @@
-"""Benchmarks for asv (airspeed velocity), from release to release; see asv.conf.json and CONTRIBUTING.md.
+"""Benchmarks for asv (airspeed velocity), which compares releases; see asv.conf.json and CONTRIBUTING.md.
 
-asv installs softcradle from a commit and measures it with the current benchmarks. They come after the installed package
-on the search path, so that the checkout itself is not measured.
+asv installs softcradle from a commit and measures it with the current benchmarks. The benchmarks come after the
+installed package on the search path. The checkout itself is therefore not measured.
 """
 
 import sys

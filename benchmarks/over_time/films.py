@@ -1,4 +1,4 @@
-"""Films: processor time to draw and encode a frame, as in `python -m benchmarks render`."""
+"""Benchmark of films: the processor time to draw and encode a frame, as in `python -m benchmarks render`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from benchmarks.render import measure
 
 
 class Film:
-    """One-on-four as mp4, 1280x720, in parallel segments."""
+    """Film of the scene one-on-four as mp4 with 1280x720 pixels, encoded in parallel segments."""
 
     timeout = 600
     unit = "ms"

@@ -1,4 +1,7 @@
-"""First use: seconds of `softcradle run one-on-four` and of `--help`, as in `python -m benchmarks cold-start`."""
+"""Benchmark of the first use: seconds of `softcradle run one-on-four` and of `--help`.
+
+The measurement is that of `python -m benchmarks cold-start`.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from benchmarks.cold_start import started
 
 
 class FirstUse:
-    """Shortest of three starts with an empty kernel cache."""
+    """Shortest time of three starts with an empty kernel cache."""
 
     params = (("run one-on-four", "--help"),)
     param_names = ("command",)

@@ -1,4 +1,4 @@
-"""Solves: the cases of the work-precision chart with `accurate`, and many collisions in sequence."""
+"""Benchmark of the cases of the work-precision chart with `accurate`, and of many collisions in sequence."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COLLISIONS = 2000
 
 
 def setup_cache() -> None:
-    """Compile before the measurement, because a process without machine code starts in plain Python."""
+    """Compile the kernels before the measurement. A process without machine code would start in plain Python."""
     warm("accurate")
 
 
@@ -25,7 +25,7 @@ setup_cache.timeout = 1800  # type: ignore[attr-defined]  # asv reads it [s]
 
 
 class Solve:
-    """Processor time of a solve with two samples."""
+    """Processor time to solve a case with two samples."""
 
     params = (tuple(CASES), (1e-6, 1e-9))
     param_names = ("case", "tolerance")
@@ -44,7 +44,7 @@ class Solve:
 
 
 class Ensemble:
-    """Processor microseconds of a collision of one on four at 1e-6, averaged over many."""
+    """Mean processor time [us] of a collision of one bead with four at tolerance 1e-6."""
 
     timeout = 600
     unit = "µs"

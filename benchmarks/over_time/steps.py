@@ -1,4 +1,4 @@
-"""Steps: nanoseconds of a contact and step, as in `python -m benchmarks steps`."""
+"""Benchmark of steps: nanoseconds for one contact and one step, as in `python -m benchmarks steps`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ BY_NAME = {
 
 
 def setup_cache() -> None:
-    """Compile before the measurement."""
+    """Compile the kernels before the measurement."""
     warm(sorted({case.method for case in CASES}))
 
 
@@ -21,7 +21,7 @@ setup_cache.timeout = 1800  # type: ignore[attr-defined]  # asv reads it [s]
 
 
 class Step:
-    """Shortest time of a contact and step."""
+    """Shortest time for one contact and one step."""
 
     params = (tuple(BY_NAME),)
     param_names = ("case",)
@@ -29,8 +29,8 @@ class Step:
     unit = "ns"
 
     def setup(self, case: str) -> None:
-        """Load the machine code, because live steps do not wait for it and long chains would take hours in plain
-        Python.
+        """Load the machine code. Steps of the live simulation do not wait for it, and long chains would take hours in
+        plain Python.
         """
         warm(BY_NAME[case].method)
 

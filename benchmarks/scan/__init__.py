@@ -1,1 +1,1 @@
-"""The scan: seeded random chains by family, each solved by a method and by a reference that shares nothing with it."""
+"""The scan solves random chains of several families. Each is solved by a tested method and by an independent reference."""

@@ -1,4 +1,7 @@
-"""The scan as a sweep. A point is a chain; its numbers are the verdict and, if it is new, the reference solution."""
+"""The scan as a sweep in which each point is a chain.
+
+The numbers of a point are the verdict and, if it is new, the reference solution.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,10 @@ TRUTH = "truth "  # Prefix of the column names of a new reference solution.
 def chain_numbers(
     truths: Mapping[str, Entry], method: str, tolerance: float, family: str, seed: int
 ) -> dict[str, object]:
-    """Judge one chain against its reference solution. If `truths` does not contain it, compute it first."""
+    """Judge the simulation of one chain by its reference solution.
+
+    If `truths` does not contain the reference solution, it is computed first.
+    """
     compiled()
     chosen, new = motion(family, seed), {}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -43,7 +49,7 @@ def chain_numbers(
 
 
 def _path_numbers(path: Path | None) -> dict[str, Any]:
-    """Return the numbers of a path, or NaN if it is not known."""
+    """Return the numbers of a path, or NaN if the path is not known."""
     if path is None:
         return {"position": np.full(1, np.nan), "path": np.full(2, np.nan), "events": np.full(4, np.nan)}
     events = np.array(path.events, dtype=np.float64).ravel()
@@ -56,13 +62,14 @@ def _path_numbers(path: Path | None) -> dict[str, Any]:
 
 @cache
 def compiled() -> None:
-    """Compile all kernels, once per process, so that the time of a chain does not include compiling."""
+    """Compile all kernels once in each process. The time of a chain then does not include compiling."""
     warm()
 
 
 def entries(row: Mapping[str, Any], family: str, seed: int) -> tuple[Entry | None, Entry]:
-    """Return the reference solution of a chain from the numbers of its point (None if it was known before), and its
-    verdict.
+    """Return the reference solution and the verdict of a chain from the numbers of its point.
+
+    The reference solution is None if it was known before.
     """
     return _truth(row, family, seed), _verdict(row, family, seed)
 
@@ -73,7 +80,8 @@ def _truth(row: Mapping[str, Any], family: str, seed: int) -> Entry | None:
     chosen = motion(family, seed)
     beads = slice(0, chosen.chain.contacts + 1)
     velocity, doubt, source = (row[TRUTH + name] for name in ("velocity", "doubt", "source"))
-    entry = {"key": chosen.key, "path": None}  # A path of None means that it was computed but could not be confirmed.
+    # A path of None means that the path was computed but could not be confirmed.
+    entry = {"key": chosen.key, "path": None}
     return entry | Truth(velocity[beads], doubt[beads], SOURCES[int(source)], _path(row, beads)).as_json()
 
 

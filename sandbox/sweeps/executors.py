@@ -278,8 +278,7 @@ class ChunkSchedule:
         missing: ranges of points to compute.
         take: called with each computed chunk.
         seconds: time limit of a chunk [s]. After this time the chunk is returned incomplete, and its remaining points
-            are
-            submitted again.
+            are submitted again.
     """
 
     def __init__(self, missing: Iterable[PointRange], take: Callable[[Chunk], None], seconds: float) -> None:

@@ -221,8 +221,7 @@ def map_points(
         function: returns a mapping of names to numbers, or an Outcome with such a mapping and a reason.
         points: the sample points.
         kept: path whose name plus ``.partial`` is a folder that keeps finished points. An interrupted call continues
-            from
-            there. The folder stays until `drop_kept`. Points of another study in it are deleted.
+            from there. The folder stays until `drop_kept`. Points of another study in it are deleted.
         progress: called with ("points", done, all).
         workers: number of threads or processes.
         executor: as for `sweep`.

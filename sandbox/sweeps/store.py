@@ -57,8 +57,7 @@ class Store:
         study: description of the study as text. A folder that belongs to another study is rejected.
         count: number of points.
         fresh: True to start again and ignore the content of the folder. The content is used if it was itself started
-            with
-            `fresh` for this study.
+            with `fresh` for this study.
 
     Raises:
         StudyError: the folder belongs to another study, is in use, cannot be written or cannot be read.

@@ -59,8 +59,7 @@ class ParameterSpan(Table):
         values: list of values.
         between: smallest and largest value, instead of `values`.
         count: number of values in `between`, for a grid or a list, unless they are whole numbers. Samples have one
-            common
-            count for all parameters.
+            common count for all parameters.
         scale: "linear", "log" (uniform in the logarithm) or "whole" (whole numbers).
         name: name of the coordinate in the Dataset; by default the path.
     """

@@ -73,8 +73,7 @@ class Chunk:
     Attributes:
         begin, end: number of the first point, and number after the last point.
         columns: arrays (end - begin, ...) by name of the measure; NaN if a number is missing. The columns STATUS,
-            WARNED
-            and REASON are included.
+            WARNED and REASON are included.
         seconds: computing time [s].
     """
 

@@ -152,8 +152,7 @@ class TimeLimits:
         run: a simulation that is expected to take longer is not started [s].
         series: limit for all simulations of a series together [s].
         case: limit for all series of a case together [s], without loading and compiling. Each series has its share of
-            the
-            remaining time.
+            the remaining time.
     """
 
     run: float = 0.25
