@@ -57,8 +57,9 @@ class Judged:
 
     @property
     def ratio(self) -> float:
-        """Number of evaluations divided by that of the cheapest alternative. A motion without contacts needs no
-        evaluations.
+        """Number of evaluations divided by the number that the cheapest alternative needs.
+
+        A motion without contacts needs no evaluations.
         """
         return self.evaluations / max(min(self.others.values()), 1.0)
 

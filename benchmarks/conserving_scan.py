@@ -124,7 +124,9 @@ class Error:
 
 
 def errors(number: int, families: Sequence[str] = KEEPING) -> list[Error]:
-    """Return the errors of conserving in random collision `number`, for each step size."""
+    """Return the errors of the method conserving in the random collision `number`. There is one error for each step
+    size.
+    """
     moving = motion(families[number % len(families)], number)
     chain, velocity = moving.chain, np.array(moving.velocity)
     step, found = default_step(chain, velocity, moving.duration), []

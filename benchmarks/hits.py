@@ -178,7 +178,7 @@ def compare(seed: int) -> Compared | None:
 
 
 def numbers_of(seed: int) -> dict[str, object]:
-    """Return the result of `compare` as numbers. The number of collisions is 0 if the reference has no table."""
+    """Return the result of `compare` as numbers. Without a table by the reference, the number of collisions is 0."""
     one = compare(seed)
     if one is None:
         return {"hits": 0.0, "same": 0.0, "errors": [np.nan] * len(COMPARED), "growth": np.nan}

@@ -1,7 +1,8 @@
-"""``python -m benchmarks soft-chains``: velocities after a blow through a SoftChain that takes the steps of `substeps`.
+"""``python -m benchmarks soft-chains``: error of the velocities after a collision in a SoftChain.
 
-Random rows of balls, elastic and with loss, with gaps and walls, are compared with method `accurate`. Rows in which a contact
-closes more than once are left out, because successive blows multiply errors.
+The SoftChain uses the number of steps that `substeps` recommends. Random chains of balls are compared with the method
+`accurate`. They are elastic or have loss, and have gaps and walls. Chains in which a contact closes more than once are
+left out, because successive collisions multiply errors.
 """
 
 from __future__ import annotations
@@ -17,15 +18,15 @@ import pymunk
 from softcradle.physics import Chain, Contact, SoftChain, draft_gear, hertz, hooke, power_law, simulate, step_force
 from softcradle.physics.pymunk_contacts.soft_chain import VISIBLE_ERROR
 
-# Touching distance [m]: no ball of these rows passes through another.
+# Touching distance [m]. It is so large that balls of these chains never pass through each other.
 REACH = 1000.0
-# Steps that a run may take, beyond which the row is left out.
+# Largest number of steps of a simulation. A chain that needs more is left out.
 MOST_STEPS = 20_000
 
 
 @dataclass(frozen=True)
 class Row:
-    """A row of balls, with a wall before the first one if its mass is infinite; the ball at the free end is struck.
+    """Chain of balls. If the first mass is infinite, it is a wall. The ball at the free end moves at the start.
 
     Attributes
     ----------
@@ -80,7 +81,7 @@ class Row:
 
 
 def drawn(seed: int) -> Row:
-    """Return the row of that number; every other one has loss."""
+    """Return a random chain of balls, generated from `seed`. Every second chain has loss."""
     random = np.random.default_rng(seed)
     strength = 10.0 ** random.uniform(1.0, 6.0)
     loss = float(random.uniform(0.05, 0.9)) if seed % 2 else 0.0
@@ -102,13 +103,15 @@ def drawn(seed: int) -> Row:
 
 
 def errors(seeds: Sequence[int], allowed: float) -> list[tuple[float, int]]:
-    """Return the error of each row in which every contact closes at most once, with its seed, the largest first."""
+    """Return the error and the seed of each chain in which every contact closes at most once. The largest error is
+    first.
+    """
     found = [(drawn(seed).error(allowed), seed) for seed in seeds]
     return sorted(((error, seed) for error, seed in found if error is not None), reverse=True)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the largest errors; return 1 if one is larger than allowed."""
+    """Print the largest errors. Return 1 if an error is larger than allowed."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks soft-chains", description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=1000, help="number of random rows; default: %(default)s")
     args = parser.parse_args(arguments)

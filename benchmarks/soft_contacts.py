@@ -1,9 +1,8 @@
-"""``python -m benchmarks soft-contacts``: energy of SoftContacts at 60 frames per second, and a scan for unreported
-energy growth.
+"""``python -m benchmarks soft-contacts``: energy of SoftContacts at 60 frames per second.
 
-The table in docs/games.md shows five balls of 1 kg in a row after three seconds; the first one starts at 1 m/s. The
-scan draws laws, masses, speeds, gaps, walls, frame rates and substeps with a seed. If no warning appears, the energy
-must stay within the limit of `substeps`.
+The table in docs/games.md shows the energy of five balls of 1 kg after three seconds. The first ball starts at 1 m/s. A
+scan searches for unreported growth of the energy. It generates random laws, masses, speeds, gaps, walls, frame rates
+and substeps from a seed. If no warning appears, the energy must stay within the limit of `substeps`.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from softcradle.physics import Contact, SoftContact, draft_gear, hertz, hooke, p
 
 from benchmarks.reports import Report
 
-FRAME = 1.0 / 60.0  # [s]
+FRAME = 1.0 / 60.0  # Duration of a frame [s].
 SECONDS = 3.0
 TABLE = {
     "`hertz(1e3)`": hertz(1e3),
@@ -32,16 +31,16 @@ TABLE = {
     "`Contact.by_contact_time(0.05, 0.5, 1)`": Contact.by_contact_time(0.05, 0.5, 1.0),
 }
 COLUMNS = ["law", "energy, 1 step a frame", "4 steps", "`substeps`", "energy then"]
-SAID = 0.03  # Largest relative energy gain of a row in a second without a warning.
+SAID = 0.03  # Largest allowed relative gain of energy in a second without a warning.
 
 
 @dataclass(frozen=True)
 class Row:
-    """Row of balls, between walls if `wall_gap` is set [m]. The first ball moves.
+    """Chain of balls, between walls if `wall_gap` is set [m]. The first ball moves at the start.
 
     Attributes:
-        law, mass, gap, speed: of the contacts [m] and balls [kg], and of the first ball [m/s].
-        step, seconds: of the run [s].
+        law, mass, gap, speed: contact law, masses [kg], gaps [m], and speed of the first ball [m/s].
+        step, seconds: time step and duration of the simulation [s].
     """
 
     law: Contact
@@ -51,10 +50,13 @@ class Row:
     step: float
     seconds: float
     wall_gap: float | None = None
-    reach: float = 100.0  # touching distance [m]; no ball passes another
+    reach: float = 100.0  # Touching distance [m]. It is so large that no ball passes through another.
 
     def run(self) -> tuple[float, float, bool]:
-        """Return the largest and the last energy relative to the start, and True if there was a warning."""
+        """Simulate the chain.
+
+        Return the largest and the last energy relative to the initial energy, and True if there was a warning.
+        """
         space, contacts = self._space()
         start = 0.5 * self.mass[0] * self.speed**2
         largest = energy = 1.0
@@ -86,12 +88,12 @@ class Row:
 
 
 def five_balls(law: Contact, substeps: int) -> float:
-    """Return the energy after three seconds relative to the start."""
+    """Return the energy of five balls after three seconds, relative to the initial energy."""
     return Row(law, (1.0,) * 5, (0.0,) * 4, 1.0, FRAME / substeps, SECONDS, reach=1.0).run()[1]
 
 
 def needed(law: Contact) -> int:
-    """Return the steps per frame that `substeps` recommends for the impact of the table."""
+    """Return the number of steps per frame that `substeps` recommends for the collision of the table."""
     pair = [pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 1.0)]
     return SoftContact(*pair, (0, 0), (0, 0), 1.0, law).substeps(FRAME, 1.0)
 
@@ -108,7 +110,7 @@ def table() -> list[list[str]]:
 
 
 def drawn(seed: int) -> Row:
-    """Return the random row of that seed."""
+    """Return a random chain of balls, generated from `seed`."""
     random = np.random.default_rng(seed)
     strength = 10.0 ** random.uniform(0.0, 6.0)
     laws = (
@@ -132,14 +134,17 @@ def drawn(seed: int) -> Row:
 
 
 def silent(seeds: Sequence[int]) -> tuple[int, list[tuple[int, float]]]:
-    """Return the number of runs with a warning, and (seed, gain of energy) of the others, the largest first."""
+    """Return the number of simulations with a warning, and a list for the simulations without a warning.
+
+    The list contains the seed and the gain of energy. The largest gain is first.
+    """
     found = {seed: drawn(seed).run() for seed in seeds}
     gains = [(seed, largest - 1.0) for seed, (largest, _, said) in found.items() if not said]
     return len(found) - len(gains), sorted(gains, key=lambda gain: -gain[1])
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the table and the scan; return 1 if energy grew without a warning."""
+    """Print the table and the result of the scan. Return 1 if energy grew without a warning."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks soft-contacts", description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=600, help="of the scan; default: %(default)s")
     args = parser.parse_args(arguments)

@@ -1,5 +1,6 @@
-"""Cost of one step and contact of `verlet` and `conserving`, measured by `advance` on chains in the middle of a
-collision.
+"""Computing time for one step and one contact with `verlet` and `conserving`.
+
+The time is measured with `advance` on chains in the middle of a collision.
 """
 
 from __future__ import annotations
@@ -15,15 +16,16 @@ from benchmarks.reports import Report, at_most
 
 ROUNDS = 9
 ALPHA = 0.1
-FRAME = 1.0 / 60.0  # [s] frame of the live simulation
-COLLISION_TIME = 0.8  # [s], less than half the contact time of one on many
-OVERLAP = 0.01  # [m] overlap of all equally loaded contacts
-CONTACT_STEPS = 400_000  # largest number of contacts times steps in a round
+FRAME = 1.0 / 60.0  # Duration of a frame of the live simulation [s].
+COLLISION_TIME = 0.8  # Time after the first touch [s]. It is less than half the contact time of one bead on many.
+OVERLAP = 0.01  # Overlap of all equally loaded contacts [m].
+CONTACT_STEPS = 400_000  # Largest product of contacts and steps in a round.
 
 
 class StepCase(NamedTuple):
-    """Method and step [s] on a chain whose contacts are all loaded equally or in the middle of a collision; the goal
-    [ns].
+    """Method, step [s], kind of chain and wanted time [ns].
+
+    The contacts of the chain are all loaded equally, or the chain is in the middle of a collision.
     """
 
     method: str
@@ -48,7 +50,7 @@ CASES = (
 
 
 def colliding(contacts: int) -> tuple[Chain, State]:
-    """Return one on many soft beads, some time after the first touch."""
+    """Return a chain in which one bead has hit many soft beads, some time after the first touch."""
     chain = one_on(contacts, power_law(1.0, ALPHA))
     state = State.at_start(chain, np.eye(1, contacts + 1)[0])
     advance(chain, state, COLLISION_TIME, method="conserving", step=FRAME)
@@ -56,7 +58,7 @@ def colliding(contacts: int) -> tuple[Chain, State]:
 
 
 def loaded_alike(contacts: int) -> tuple[Chain, State]:
-    """Return beads at rest between two walls with equal loads, so that every contact evaluates its power in every step."""
+    """Return beads at rest between two walls. All contacts have equal loads, so each evaluates its power in every step."""
     chain = Chain([np.inf, *np.ones(contacts - 1), np.inf], power_law(1.0, ALPHA))
     state = State.at_start(chain, np.zeros(contacts + 1))
     state.overlap[:] = OVERLAP
@@ -64,14 +66,14 @@ def loaded_alike(contacts: int) -> tuple[Chain, State]:
 
 
 def measure(case: StepCase, contact_steps: int = CONTACT_STEPS, rounds: int = ROUNDS) -> dict[str, Any]:
-    """Return the shortest time of a step and contact over the rounds, each from the same state."""
+    """Return the shortest time for a step and a contact over several rounds. Each round starts from the same state."""
     chain, state = (loaded_alike if case.alike else colliding)(case.contacts)
     steps = int(np.clip(contact_steps // case.contacts, 4, 0.5 / case.step))
     seconds = []
     closed = int((state.overlap > 0.0).sum())
     arrays = state.overlap, state.rate, state.anchor, state.force
     start = [array.copy() for array in arrays]
-    for _ in range(rounds + 1):  # the first round allocates work arrays and does not count
+    for _ in range(rounds + 1):  # The first round does not count because it allocates work arrays.
         for array, value in zip(arrays, start, strict=True):
             array[:] = value
         state.time = 0.0
@@ -91,7 +93,7 @@ def measure(case: StepCase, contact_steps: int = CONTACT_STEPS, rounds: int = RO
 
 
 def reports() -> Iterator[Report]:
-    """Yield the table."""
+    """Yield the table of measured times."""
     found = [measure(case) for case in CASES]
     rows = [
         [

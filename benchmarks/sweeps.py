@@ -1,5 +1,7 @@
-"""Overhead of a sweep: one on four at 1e-6, here and in processes; bytes of chunks; the extrapolated cost of 1e9
-collisions.
+"""Overhead of a sweep of collisions in which one bead hits four, with tolerance 1e-6.
+
+The sweep runs in this thread and in processes. The size of its chunks in bytes is measured, and the cost of 1e9
+collisions is extrapolated.
 """
 
 from __future__ import annotations
@@ -19,14 +21,14 @@ from softcradle.sandbox.sweeps import run_sweep, sobol
 from benchmarks.reports import Report, at_most
 from softcradle import scenes
 
-COUNT = 20_000  # collisions in a round
+COUNT = 20_000  # Number of collisions in a round.
 TOLERANCE = 1e-6
-ALPHAS = (0.099, 0.101)  # range of exponents, narrow so that all collisions are alike
-MEASURES = ("final_velocity",)  # final values only, so points run together
-EACH_ALONE = ("final_velocity", "closings")  # measures that need a separate run for each point
-OVERHEAD_AIM = 10.0  # goal in % of the work
-SECONDS_AIM = 8.0  # goal in seconds for 1e5 collisions on two cores
-MANY = 1e9  # collisions whose cost is extrapolated
+ALPHAS = (0.099, 0.101)  # Range of exponents. It is narrow, so all collisions take about the same time.
+MEASURES = ("final_velocity",)  # Measures that need only final values, so several points are computed together.
+EACH_ALONE = ("final_velocity", "closings")  # Measures that need a separate simulation for each point.
+OVERHEAD_AIM = 10.0  # Wanted overhead in % of the computing time of the collisions.
+SECONDS_AIM = 8.0  # Wanted time for 1e5 collisions on two cores [s].
+MANY = 1e9  # Number of collisions whose cost is extrapolated.
 CORES = (2, 64, 1000)
 
 
@@ -36,7 +38,7 @@ def alphas(count: int) -> list[float]:
 
 
 def measure_work(count: int = COUNT) -> float:
-    """Return processor seconds of the collisions without a sweep: their runs, and the construction of their chains."""
+    """Return the processor time [s] of the collisions without a sweep. It includes the construction of their chains."""
     values = alphas(count)
     solve(one_on(4, power_law(1.0, values[0])), [1.0, 0, 0, 0, 0], samples=2, tolerance=TOLERANCE)
     began = process_time()
@@ -46,8 +48,9 @@ def measure_work(count: int = COUNT) -> float:
 
 
 def measure_sweep(executor: Any, count: int = COUNT, measures: tuple[str, ...] = MEASURES) -> dict[str, float]:
-    """Return seconds of the same as a stored sweep, processor seconds of this process, and bytes of its store per
-    point.
+    """Return the cost of the same collisions as a stored sweep.
+
+    It consists of the wall time [s], the processor time of this process [s], and the bytes of the store per point.
     """
     scene = scenes.load("one-on-four").model_copy(update={"tolerance": TOLERANCE})
     points = sobol({"lanes.0.contact.alpha": (*ALPHAS, "linear")}, count)
@@ -61,7 +64,7 @@ def measure_sweep(executor: Any, count: int = COUNT, measures: tuple[str, ...] =
 
 
 def measure_traffic(count: int = 1000) -> dict[str, float]:
-    """Return the bytes sent to a worker once and with each chunk, and returned for each point."""
+    """Return the number of bytes that a worker receives once and with each chunk, and that it returns for each point."""
     scene = scenes.load("one-on-four").model_copy(update={"tolerance": TOLERANCE})
     points = sobol({"lanes.0.contact.alpha": (*ALPHAS, "linear")}, 10_000_000)
     work = run_sweep.sweep_work(scene, points, MEASURES)
@@ -74,8 +77,8 @@ def measure_traffic(count: int = 1000) -> dict[str, float]:
 
 
 def reports(count: int = COUNT) -> Iterator[Report]:
-    """Yield the table and its consequences."""
-    measure_sweep("here", 2)  # loads packages
+    """Yield the table of costs and the costs that are extrapolated from it."""
+    measure_sweep("here", 2)  # The first sweep does not count because it loads packages.
     work, here, alone = measure_work(count), measure_sweep("here", count), measure_sweep("here", count, EACH_ALONE)
     processes, traffic = measure_sweep("processes", count), measure_traffic()
     overhead = 100.0 * (alone["processor"] / work - 1.0)

@@ -1,4 +1,7 @@
-"""Error of final velocities relative to the tolerance, scanned over tolerances and scenes. At most ten is guaranteed."""
+"""Error of final velocities relative to the tolerance, for many tolerances and scenes.
+
+The guaranteed error is ten times the tolerance.
+"""
 
 from __future__ import annotations
 
@@ -16,21 +19,23 @@ from softcradle import scenes
 
 Array = NDArray[np.float64]
 
-TOLERANCES = 10.0 ** (-0.25 * np.arange(12, 41))  # quarter decades, 1e-3 to 1e-10
+TOLERANCES = 10.0 ** (-0.25 * np.arange(12, 41))  # Tolerances from 1e-3 to 1e-10 in steps of a quarter of a decade.
 METHODS = ("accurate", "radau")
-PROMISED_ERROR = 10.0  # guaranteed error as a multiple of the tolerance
-DEEP_CLUSTERS = {5: 14, 10: 30, 20: 50}  # one on n: 1/alpha
+PROMISED_ERROR = 10.0  # Guaranteed error as a multiple of the tolerance.
+DEEP_CLUSTERS = {5: 14, 10: 30, 20: 50}  # Maps the number n of targets to 1/alpha.
 
-# The truth is the result of radau at the first of these tolerances, if the second one confirms it.
+# The true result is that of radau with the first of these tolerances, if the second one confirms it.
 TRUTH_TOLERANCES = (1e-13, 1e-12)
-AGREEMENT = 1e-7  # [m/s]
-# Otherwise, as in chattering chains, the truth is the result at the first of these tolerances without a warning.
+AGREEMENT = 1e-7  # Largest difference of two results that confirm each other [m/s].
+# For chattering chains, the true result is that with the first of these tolerances that gives no warning.
 UNWARNED_TOLERANCES = (1e-10, 1e-9)
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion to scan: chain, initial velocities (n+1,) [m/s], duration [s] or None until it is over."""
+    """Motion that is scanned: chain, initial velocities (n+1,) [m/s], and duration [s] or None until the motion is
+    over.
+    """
 
     name: str
     chain: Chain
@@ -39,7 +44,7 @@ class Motion:
 
 
 def motions() -> Iterator[Motion]:
-    """Yield deep clusters, and every lane of every scene once."""
+    """Yield collisions with long clusters, and every lane of every scene once."""
     for n, inverse_alpha in DEEP_CLUSTERS.items():
         chain = one_on(n, power_law(1.0, 1.0 / inverse_alpha))
         yield Motion(f"one on {n}, alpha 1/{inverse_alpha}", chain, (1.0,) + (0.0,) * n)
@@ -55,13 +60,13 @@ def motions() -> Iterator[Motion]:
 
 
 def final_velocity(motion: Motion, method: str, tolerance: float) -> tuple[Array, bool]:
-    """Return the (n+1,) final velocities, and True if the run contains a warning."""
+    """Return the (n+1,) final velocities, and True if the simulation contains a warning."""
     found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
     return found.final_velocity, bool(found.warnings)
 
 
 def true_velocity(motion: Motion) -> Array:
-    """Return the (n+1,) final velocities [m/s] to the accuracy to which they are known."""
+    """Return the best known (n+1,) final velocities [m/s]."""
     fine, check = (final_velocity(motion, "radau", tolerance)[0] for tolerance in TRUTH_TOLERANCES)
     if np.abs(fine - check).max() < AGREEMENT:
         return fine
@@ -70,8 +75,9 @@ def true_velocity(motion: Motion) -> Array:
 
 
 def scan(motion: Motion, method: str, truth: Array) -> dict[str, Any]:
-    """Return the largest error relative to its tolerance among runs without a warning, its tolerance, and counts of
-    failures and warnings.
+    """Return the largest error relative to its tolerance, among simulations without a warning.
+
+    The result also contains the tolerance of this simulation, and the numbers of failures and warnings.
     """
     speed = float(np.ptp(motion.velocity)) or 1.0
     unwarned, warnings = [], 0

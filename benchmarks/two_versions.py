@@ -1,7 +1,8 @@
-"""``python -m benchmarks two-versions PYTHON``: times of the adaptive methods in this version and in another one.
+"""``python -m benchmarks two-versions PYTHON``: compare the times of the adaptive methods in two versions of
+softcradle.
 
-PYTHON is the interpreter of the other version's environment. Each case runs alternately in both, in separate processes,
-so that other load affects both. The shortest time counts, including the Python code around the kernel.
+PYTHON is the interpreter of the other version's environment. Each case runs alternately in both versions, in separate
+processes. Other load therefore affects both. The shortest time counts, including the Python code around the kernel.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from time import perf_counter
 from typing import Any
 
 TOLERANCES = (1e-6, 1e-9)
-SECONDS = 0.15  # [s] of a case in each turn
-FEWEST = 3  # fewest runs of a case in each turn
+SECONDS = 0.15  # Time that is spent on a case in each turn [s].
+FEWEST = 3  # Smallest number of simulations of a case in each turn.
 TURNS = 4
-# goals for `accurate` [ms] at these tolerances, Python included
+# Wanted times of `accurate` at these tolerances [ms], including the Python code.
 AIMS = {
     "one on 4": (0.17, 0.40),
     "one on 5": (0.23, 1.1),
@@ -30,7 +31,7 @@ AIMS = {
 
 
 def cases() -> dict[str, tuple[Any, list[float], float | None]]:
-    """Return chain, velocities and duration of each case, using names that both versions have."""
+    """Return chain, velocities and duration of each case. Only names that exist in both versions are used."""
     from softcradle import Chain, TimedForce, draft_gear, hertz, hooke, one_on, power_law
 
     inf = float("inf")
@@ -78,7 +79,7 @@ def measured() -> dict[str, float]:
 
 
 def times_of(python: str) -> dict[str, float]:
-    """Return the times that another process measures."""
+    """Return the times that a process with the interpreter `python` measures."""
     found: dict[str, float] = json.loads(
         subprocess.run([python, __file__], check=True, capture_output=True, text=True).stdout
     )
@@ -86,7 +87,10 @@ def times_of(python: str) -> dict[str, float]:
 
 
 def rows(here: dict[str, float], there: dict[str, float]) -> Iterator[list[str]]:
-    """Yield a row for each case and method: other time, own time with its goal, and their ratio, at each tolerance."""
+    """Yield one row for each case and method.
+
+    For each tolerance, it contains the other version's time, the time of this version with its goal, and their ratio.
+    """
     from benchmarks.reports import at_most
 
     for key in [key for key in here if key.endswith(f"{TOLERANCES[0]:g}")]:
@@ -100,7 +104,7 @@ def rows(here: dict[str, float], there: dict[str, float]) -> Iterator[list[str]]
 
 
 def main(arguments: list[str]) -> int:
-    """Measure both alternately and print one table."""
+    """Measure both versions alternately, and print one table."""
     from rich.console import Console
 
     from benchmarks.reports import Report

@@ -1,8 +1,8 @@
-"""Window: time to the first frame with and without cached kernels, frames of a busy screen, and the cost of a paused
-one.
+"""Speed of the window: the time to the first frame, the frames of a busy screen, and the cost of a paused screen.
 
-A frame includes everything: events, physics, drawing, display; 1280x720, 50 beads in collision, plots shown. The
-display of the machine is used if there is one, otherwise SDL's dummy driver, whose display costs nothing.
+The time to the first frame is measured with and without cached kernels. A frame includes events, physics, drawing and
+display. The window has 1280x720 pixels and shows a collision of 50 beads with plots. The display of the machine is used
+if there is one. Otherwise SDL's dummy driver is used, whose display costs no time.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ import numpy as np
 
 from benchmarks.reports import Report
 
-FRAME = 1.0 / 60.0  # s
-SECONDS = 10.0  # seconds of frames
-STARTS = 3  # starts; the fastest counts
-FRAMES_TO_RESTART = 600  # frames after which the collision is over
+FRAME = 1.0 / 60.0  # Duration of a frame [s].
+SECONDS = 10.0  # Time for which frames are measured [s].
+STARTS = 3  # Number of starts. The fastest start counts.
+FRAMES_TO_RESTART = 600  # Number of frames after which the collision is over.
 SCENE = """
 title = "One on forty-nine"
 [[lanes]]
@@ -57,7 +57,7 @@ print(100.0 * (worked - work) / (ended - began))
 
 
 def reports() -> Iterator[Report]:
-    """Yield start, pause and frames."""
+    """Yield the table with the times of start, pause and frames."""
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform in ("win32", "darwin")):
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
     os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
@@ -71,8 +71,9 @@ def reports() -> Iterator[Report]:
 
 
 def starts() -> dict[str, float]:
-    """Return the seconds from the start of the process to the first frame, with and without cached kernels and
-    thumbnails.
+    """Return the seconds from the start of the process to the first frame.
+
+    They are measured with and without cached kernels and thumbnails.
     """
     cached = min(_start(dict(os.environ)) for _ in range(STARTS))
     with tempfile.TemporaryDirectory() as folder:
@@ -91,13 +92,13 @@ def _start(environment: dict[str, str]) -> float:
 
 
 def paused() -> float:
-    """Return the per cent of a core that an open, paused scene takes in the loop of the window over 10 s."""
+    """Return the percentage of a core that the loop of the window uses for an open, paused scene during 10 s."""
     done = subprocess.run([sys.executable, "-c", PAUSED], stdout=subprocess.PIPE, check=True, text=True)
     return float(done.stdout.split()[-1])
 
 
 def frames(seconds: float) -> dict[str, Any]:
-    """Return milliseconds of the frames in `seconds` of play; restart when the collision is over."""
+    """Return the durations of frames [ms] in `seconds` of play. The scene is restarted when the collision is over."""
     import pygame
 
     app = _opened_app()
@@ -110,7 +111,7 @@ def frames(seconds: float) -> dict[str, Any]:
         app.frame(FRAME)
         wall.append(1e3 * (perf_counter() - began))
         processor.append(1e3 * (thread_time() - worked))
-        physics.append(2.0 * session.pacer.milliseconds)  # a picture takes two frames of the model
+        physics.append(2.0 * session.pacer.milliseconds)  # A picture takes two frames of the model.
     driver = pygame.display.get_driver()
     app.close()
     return {
@@ -127,7 +128,7 @@ def frames(seconds: float) -> dict[str, Any]:
 
 
 def _opened_app() -> Any:
-    """Return the application with all kernels loaded, playing SCENE."""
+    """Return the application with all kernels loaded. It plays the scene SCENE."""
     from softcradle.sandbox.window.app import App
 
     with tempfile.TemporaryDirectory() as folder:

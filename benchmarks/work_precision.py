@@ -1,7 +1,7 @@
 """Work-precision benchmark: the shortest time in which each method and each other integrator reaches an error.
 
-It uses the cases, solvers and measurement of `softcradle chart`, but gives each case more time, and its table shows the
-goals.
+It uses the cases, solvers and measurements of `softcradle chart`, but gives each case more time. Its table also shows
+the goals.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LIMITS = TimeLimits(run=1.0, series=3.0, case=60.0)
 
 
 def reports() -> Iterator[Report]:
-    """Yield a report for each integrator that is not installed, then one for each case."""
+    """Yield a report for each integrator that is not installed, and then a report for each case."""
     for peer in missing_peers():
         yield Report(f"{peer.name} is not installed: left out (pip install {peer.package})")
     for definition in CASE_DEFINITIONS:
@@ -38,7 +38,10 @@ def reports() -> Iterator[Report]:
 
 
 def case_report(case: ChartCase, solvers: Sequence[Solver], limits: TimeLimits = LIMITS) -> Report:
-    """Measure one case: a row for each solver, with goals for `accurate`, the default of `simulate`."""
+    """Measure one case, and return a table with a row for each solver.
+
+    The table shows the goals for `accurate`, the default method of `simulate`.
+    """
     measured = MeasuredCase(case, measure_case(case, solvers, limits=limits))
     rows = curve_rows(measured)
     note = f"median; -: not within {limits.run:g} s a run; truth: {case.source}"

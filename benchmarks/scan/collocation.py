@@ -1,4 +1,4 @@
-"""Radau IIA collocation of any order in extended precision: nodes, coefficients, and the polynomials of a step.
+"""Radau IIA collocation of any order in extended precision. The module computes nodes, coefficients and polynomials.
 
     V_p = v + h sum_q A_pq v'_q,   D_p = d + c_p h w + h**2 sum_q (A**2)_pq w'_q        (stages p = 1 ... s)
 
@@ -13,8 +13,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-# It has 64 bits of mantissa on x86, and 113 on ARM with Linux. If it is only double precision, the reference is no
-# finer.
+# Type of numbers in extended precision. It has a mantissa of 64 bits on x86, and of 113 bits on ARM with Linux. If it
+# is only double precision, the reference is not more precise.
 Extended = np.longdouble
 Array = NDArray[np.longdouble]
 EPSILON = float(np.finfo(Extended).eps)
@@ -47,7 +47,7 @@ class Tableau:
 
 @cache
 def tableau(stages: int) -> Tableau:
-    """Return the Tableau with this number of stages."""
+    """Return the Tableau of the method with `stages` stages."""
     node = _nodes(stages)
     value = _legendre(2.0 * node - 1.0, stages)
     weight = node / (stages**2 * value[stages - 1] ** 2)
@@ -73,12 +73,15 @@ def _legendre(x: Array, most: int) -> Array:
 
 
 def _nodes(stages: int) -> Array:
-    """Return the (s,) roots of P_s - P_(s-1), scaled to [0, 1]: double-precision roots improved by Newton's iteration."""
+    """Return the (s,) roots of P_s - P_(s-1), scaled to [0, 1].
+
+    Newton's iteration improves roots that are computed in double precision.
+    """
     series = np.zeros(stages + 1)
     series[stages], series[stages - 1] = 1.0, -1.0
     x = np.sort(np.polynomial.legendre.legroots(series).real).astype(Extended)
     x[-1] = 1.0
-    for _ in range(4):  # Newton's iteration doubles the correct digits of the inner nodes.
+    for _ in range(4):  # Each iteration doubles the number of correct digits of the inner nodes.
         inner = x[:-1]
         value = _legendre(inner, stages)
         slope = _legendre_slope(value, inner, stages) - _legendre_slope(value, inner, stages - 1)
@@ -101,8 +104,9 @@ def _integrals(value: Array, node: Array, stages: int) -> Array:
 
 
 def _powers(stages: int) -> Array:
-    """Return the (s, s) coefficients of 1, t, t**2, ... of the shifted Legendre polynomials. Column k belongs to degree
-    k.
+    """Return the (s, s) coefficients of 1, t, t**2, ... of the shifted Legendre polynomials.
+
+    Column k belongs to the polynomial of degree k.
     """
     found = np.zeros((stages, stages), dtype=Extended)
     found[0, 0] = 1.0

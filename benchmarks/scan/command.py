@@ -1,10 +1,10 @@
-"""``python -m benchmarks scan``: solve random chains, count the verdicts, and store reference solutions and verdicts on
-disk.
+"""``python -m benchmarks scan``: solve random chains, count the verdicts, and store the results on disk.
 
-A reference solution takes seconds per chain. The repository contains those of thousands of chains. Others are stored in
-one file and used again by later scans; ``--keep`` adds them to the repository. Verdicts are stored in another file, so
-that an interrupted scan continues where it stopped; ``--fresh`` starts again. The chains are the points of a sweep:
-both files are written as its points arrive, and a chain whose process dies is tried again.
+A reference solution takes seconds per chain. The repository contains the reference solutions of thousands of chains.
+Other reference solutions are stored in one file and used again by later scans; ``--keep`` adds them to the repository.
+Verdicts are stored in another file. An interrupted scan therefore continues from its last verdict; ``--fresh`` starts
+again. The chains are the points of a sweep. Both files are written while points arrive. If a process dies, its chain is
+tried again.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: list[str]) -> int:
-    """Run the scan, and print one row per family."""
+    """Run the scan, and print one row for each family of chains."""
     args = parser().parse_args(arguments)
     args.folder.mkdir(parents=True, exist_ok=True)
     truths = _truths(args)
@@ -86,12 +86,12 @@ def main(arguments: list[str]) -> int:
 
 
 def _truths(args: argparse.Namespace) -> dict[str, Entry]:
-    """Return all known reference solutions, by the key of their chain."""
+    """Return all known reference solutions by the key of their chain."""
     return {entry["key"]: entry for path in (KEPT, args.folder / TRUTHS) for entry in lines(path)}
 
 
 def _keep(truths: Mapping[str, Entry]) -> None:
-    """Write the reference solutions of all chains that the families draw now. The same solutions give the same bytes."""
+    """Write the reference solutions of all chains that the families generate now. Equal solutions give an equal file."""
     chains = sorted({(family, int(seed)) for family, seed, _ in (key.split("/") for key in truths)})
     keys = (motion(family, seed).key for family, seed in chains)
     text = "\n".join(json.dumps(truths[key]) for key in keys if key in truths)
@@ -105,7 +105,7 @@ def _compute(
     known: dict[tuple[str, int], Entry],
     args: argparse.Namespace,
 ) -> None:
-    """Judge the chains of these (seed, family). Each result is written as soon as it arrives."""
+    """Judge the chains with the given (seed, family). Each result is written as soon as it arrives."""
     if not wanted:
         return
     seeds, families = zip(*wanted, strict=True)
@@ -121,9 +121,12 @@ def _compute(
         known[entry["family"], entry["seed"]] = entry
 
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ[name] = "1"  # Each process uses one core. NumPy reads this in processes that start from now on.
+        # Each process uses one core. NumPy reads this variable in processes that start after this line.
+        os.environ[name] = "1"
     where: Where = "here" if args.jobs <= 1 else "processes"
-    compiled()  # Fill the cache on disk first. Otherwise, processes that start together would each compile all kernels.
+    # Fill the kernel cache on disk first. Otherwise each of the processes that start together would compile all
+    # kernels.
+    compiled()
     with ProgressShown("chains") as progress:
         map_points(
             function, points, None, lambda _, done, count: progress.tell("chains", done, count), args.jobs,
@@ -132,7 +135,7 @@ def _compute(
 
 
 def _verdicts(args: argparse.Namespace) -> Path:
-    """Return the path of the file with the verdicts on this method at this tolerance."""
+    """Return the path of the file with the verdicts for this method and tolerance."""
     folder: Path = args.folder
     return folder / f"{args.method}-{args.tolerance:g}.jsonl"
 
@@ -165,7 +168,7 @@ def _report(entries: list[Entry], families: Iterable[str], title: str) -> Report
 
 
 def _how_it_was_made(args: argparse.Namespace) -> str:
-    """Return the command that writes the same table, and the version that wrote it."""
+    """Return the command that writes the same table, and the version of the code that wrote it."""
     options = [
         f"--{name} {getattr(args, name)}"
         for name in ("first", "method", "tolerance")

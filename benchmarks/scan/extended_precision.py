@@ -1,8 +1,8 @@
-"""The reference in extended precision: Radau collocation of a chain whose mode changes are events of monotone graphs.
+"""Reference method in extended precision: Radau collocation of a chain whose contacts open and close at events.
 
-A step is accepted if its local error is small and no guard can have changed its sign inside. Near an event, steps
-become geometrically shorter. Finally a step crosses the event. This step is so short that no velocity can change by
-more than the tolerance in it.
+A step is accepted if its local error is small and no guard function can have changed its sign inside the step. Near an
+event, steps become geometrically shorter. Finally a step crosses the event. This step is so short that it changes no
+velocity by more than the tolerance.
 """
 
 from __future__ import annotations
@@ -24,54 +24,57 @@ from benchmarks.scan.monotone_rows import HELD, OPEN, PRESSED, RELEASED, STICKS,
 from benchmarks.scan.stage_equations import Point, Stages, Strings
 
 STAGES = 7  # Number of stages of a step. The order is 13.
-GROWTH, SAFETY = 4.0, 0.8  # Largest ratio of successive steps, and fraction of the step that the local error allows.
-CROSSING = 0.1  # Largest change of velocities in a step that crosses an event, in tolerances.
-STILL = 1e-2  # Speed below which a bead is at rest, in tolerances.
-# Allowed residual of Newton's iteration, in tolerances. A larger residual makes contacts bounce that carry almost no
-# force.
+# Largest ratio of successive steps, and safety factor of the step that the local error allows.
+GROWTH, SAFETY = 4.0, 0.8
+CROSSING = 0.1  # Largest change of a velocity in a step that crosses an event, in units of the tolerance.
+STILL = 1e-2  # Speed below which a bead counts as being at rest, in units of the tolerance.
+# Allowed residual of Newton's iteration, in units of the tolerance. With a larger residual, contacts with almost no
+# force would bounce.
 NEWTON = 1e-6
-# Distance, in tolerances, by which a guard of velocities may be past its zero. Also the allowed residual of a step
-# across an event.
+# Distance by which a guard function of velocities may be past its zero, in units of the tolerance. It is also the
+# allowed residual of a step across an event.
 SLACK = 1e-3
-FIRST_STEPS = 2  # Number of steps before the branches of constraints at rest are found.
-# Gap or rate that counts as round-off, relative to the depth that the fastest contact reaches, or to the speed.
+FIRST_STEPS = 2  # Number of steps after which the branches of constraints at rest are determined.
+# Gap or rate that counts as round-off. A gap is relative to the overlap that the fastest contact reaches, and a rate to
+# the speed.
 ROUND_OFF = 64.0 * EPSILON
-NO_STEP = 1e-6  # Fraction of the crossing step. If not even such a short step converges, the run gives up.
+# The simulation gives up if a step does not converge although it is shorter than the crossing step times this fraction.
+NO_STEP = 1e-6
 MOST_STEPS = 20_000  # Largest number of steps of a run, including rejected steps.
 NEVER = np.inf
 APPROACH = 15.0 / 16.0  # Longest step towards an event, as a fraction of the time to it.
-STANDS = 0.01  # Fraction of the velocity change of a crossing. A contact that reverses more slowly stands still.
-# Fraction of the speed scale. Opening contacts that are slower than this are not located as events, only followed.
+# A contact that reverses more slowly than this fraction of the velocity change of a crossing counts as standing still.
+STANDS = 0.01
+# Fraction of the speed scale. Events at which a contact opens more slowly than this are not located.
 SLOW = 1e-9
 
 
 class ReferenceGaveUpError(Exception):
-    """An error for a reference run that has not reached the end within its step limit."""
+    """Raised if a reference simulation has not reached the end within its step limit."""
 
 
 class Event(NamedTuple):
-    """The time at which a contact begins or ceases to overlap."""
+    """Time at which a contact begins or ceases to overlap."""
 
     contact: int
     closes: bool
     time: float  # Time [s].
-    speed: float  # Absolute rate [m/s] of the overlap at this time.
+    speed: float  # Absolute rate of the overlap at this time [m/s].
 
 
 @dataclass(frozen=True)
 class ReferenceEnd:
-    """The end of a motion, with error estimates.
+    """Final state of a motion, with error estimates.
 
     Attributes:
         velocity: (n+1,) final velocities [m/s].
         position: (n+1,) final positions [m].
-        events: every closing and opening of a contact, in order of time; without those of couplers.
+        events: every closing and opening of a contact, in order of time; couplers are excluded.
         time: time of the end [s].
-        error: error of velocities [m/s]: the largest difference from a run with fewer stages and a tenfold tolerance,
-            plus
-            the tolerance of the finer run.
+        error: error of velocities [m/s]. It is the largest difference from a simulation with fewer stages and a tenfold
+            tolerance, plus the tolerance of the finer simulation.
         position_error: error of positions [m], computed in the same way.
-        steps: number of steps of both runs.
+        steps: number of steps of both simulations.
     """
 
     velocity: NDArray[np.float64]
@@ -112,13 +115,13 @@ def reference_end(
 
 @dataclass
 class ExtendedRun:
-    """One run in extended precision.
+    """One simulation in extended precision.
 
     Arguments:
-        chain, state: the chain and its start.
+        chain, state: the chain and its initial state.
         tolerance: tolerance of the local error of a step, relative to the speed scale.
         stages: number of stages of a step. The order is twice this number minus 1.
-        most_steps: step limit of the run.
+        most_steps: step limit of the simulation.
     """
 
     chain: Chain
@@ -154,7 +157,7 @@ class ExtendedRun:
             self.step(end)
 
     def _rows(self, time: Any) -> Rows:
-        """Return the constraints at `time` (...). They are constant if no force or brake depends on time."""
+        """Return the constraints at the times `time` (...). They are constant if no force or brake depends on time."""
         if not (self.chain.forces or self.chain.brakes):
             return self.steady
         return self.steady.under(self.span.push_at(time), self.span.brake_at(time))
@@ -164,8 +167,9 @@ class ExtendedRun:
         return self._rows(self.time + h * nodes) if self.span.changes else self.rows
 
     def step(self, end: float) -> None:
-        """Try one step, at most to `end` or to the next breakpoint of a force. Raise ReferenceGaveUpError after
-        `most_steps` steps.
+        """Try one step, which ends at `end` or at the next breakpoint of a force at the latest.
+
+        Raise ReferenceGaveUpError after `most_steps` steps.
         """
         self.steps += 1
         if self.steps > self.most_steps:
@@ -182,7 +186,7 @@ class ExtendedRun:
             self._pass_knot()
 
     def _pass_knot(self) -> None:
-        """Continue with the forces and brakes after a breakpoint."""
+        """Pass a breakpoint in time, and continue with the forces and brakes after it."""
         braked, point = self.rows.bed > 0.0, self.point
         self.span = Span.at(self.chain, float(self.time))
         self.rows, self.length = self._rows(self.time), 1e-3 * self.tolerance * self.quickest
@@ -200,7 +204,10 @@ class ExtendedRun:
         return Strings(Extended(chain.gravity) / Extended(chain.strings), rest, self.position - self.rest)
 
     def _pulled(self, rows: Rows, displacement: Array) -> Rows:
-        """Return the constraints with the pull of the strings on beads at displacements (..., n+1) [m] as external forces."""
+        """Return the constraints with the pull of the strings as external forces.
+
+        The beads have the displacements (..., n+1) [m].
+        """
         mass = np.where(rows.inverse_mass > 0.0, 1.0 / np.where(rows.inverse_mass > 0.0, rows.inverse_mass, 1.0), 0.0)
         return replace(rows, external=rows.external - Extended(self.chain.swing) * mass * displacement)
 
@@ -226,7 +233,7 @@ class ExtendedRun:
             return True
         point = self.point
         heaviest = float(self.rows.inverse_mass[self.rows.inverse_mass > 0.0].min())
-        pushing = point.force * heaviest > self.tolerance * self.speed / self.quickest  # Smaller forces are round-off.
+        pushing = point.force * heaviest > self.tolerance * self.speed / self.quickest  # A smaller force is round-off.
         pushes = bool(pushing.any() or (point.branch >= PRESSED).any())
         if self.rows.bed.size:
             slides = self.rows.bed > 0.0
@@ -234,16 +241,16 @@ class ExtendedRun:
             slows = (point.velocity != 0.0) & (acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass)
             if (slides & slows).any() or self._moves(point.velocity[slides]):
                 return False
-            # Contacts of a chain at rest may push, if friction holds the beads.
+            # Contacts in a chain at rest may push if friction holds the beads.
             pushes &= bool((acceleration > 1e-12 * self.rows.bed * self.rows.inverse_mass).any())
         return not (pushes or self._moves(np.maximum(point.rate, 0.0)))
 
     def _moves(self, speeds: Array) -> bool:
-        """Return True if one of the speeds is larger than the allowed residual of the iteration."""
+        """Return True if one of the speeds exceeds the allowed residual of Newton's iteration."""
         return bool((np.abs(speeds) > STILL * self.tolerance * self.speed).any())
 
     def _step(self, end: Extended) -> None:
-        """Try one step. Accept it, or shorten the next one."""
+        """Try one step. Accept it, or shorten the next step."""
         h = Extended(np.minimum(self.length, end - self.time))
         if self._is_crossing(float(h)):
             self._cross(h)
@@ -255,7 +262,7 @@ class ExtendedRun:
         if stages is None:
             self.length = 0.25 * float(h)
             return
-        # The guards see the strings as external forces at the stages.
+        # For the guard functions, the strings are external forces at the stages.
         taken, at_end = rows, rows if rows is self.rows else self._rows(self.time + h)
         if strings is not None:
             displacement = strings.displacement + h * (self.tableau.once @ stages.velocity)
@@ -272,13 +279,14 @@ class ExtendedRun:
             )
             self._take(stages, h, taken)
             grown = float(h) * min(GROWTH, max(0.2, factor))
-            if h < self.length:  # The end of the run shortened this step.
+            if h < self.length:  # This step was shortened by the end of the simulation.
                 grown = max(grown, self.length)
             self.length = min(grown, max(corner, 0.5 * self._crossing_length()))
 
     def _left_by_newton(self) -> float:
-        """Return the precision [m/s] of the stages. It is lower with sticking beads or held contacts, which limit the
-        iteration.
+        """Return the precision [m/s] of the stages.
+
+        The precision is lower with sticking beads or held contacts, which limit Newton's iteration.
         """
         part = SLACK if self.rows.bed.size or self.rows.loss.any() else NEWTON
         return max(part * self.tolerance, 4.0 * EPSILON) * self.speed
@@ -299,8 +307,9 @@ class ExtendedRun:
         return h <= self._crossing_length()
 
     def _cross(self, h: Extended) -> None:
-        """Take a step of implicit Euler in which each constraint finds its branch at the end. This is a monotone
-        problem.
+        """Cross an event with a step of implicit Euler, in which each constraint finds its branch at the end.
+
+        The equations of the step are a monotone problem.
         """
         speed = float(np.abs(self.point.velocity).max()) + self.speed
         wanted, strict = SLACK * self.tolerance * self.speed, 4.0 * EPSILON * speed
@@ -325,7 +334,9 @@ class ExtendedRun:
         self.time = self.time + h
 
     def _note_events(self, before: Point, stages: Point, h: Extended, used: Tableau) -> None:
-        """Record contacts whose overlap changes its sign in a step, at the root of the polynomial through the nodes."""
+        """Record the contacts whose overlap changes its sign in a step. The time is the root of the polynomial through
+        the nodes.
+        """
         if not self.rows.single:
             return
         changed = np.flatnonzero((before.overlap > 0.0) != (stages.overlap[-1] > 0.0))
@@ -336,7 +347,7 @@ class ExtendedRun:
                 np.append(first[i], later[:, i]).astype(np.float64)
                 for first, later in ((before.overlap, stages.overlap), (before.rate, stages.rate))
             )
-            part = 0.0  # A contact that touches at the start closes at once.
+            part = 0.0  # A contact that touches at the start is considered to close at once.
             if overlap[0] != 0.0 != overlap[-1]:
                 part = brentq(BarycentricInterpolator(node, overlap), 0.0, 1.0, xtol=1e-14)
             elif overlap[-1] == 0.0:
@@ -346,14 +357,14 @@ class ExtendedRun:
         self.events += sorted(found, key=lambda event: event.time)
 
     def _round_to_rest(self, before: Point) -> None:
-        """Set values to 0 that differ from 0 only by round-off: velocities of sticking beads, and rates of touching or
-        held contacts.
+        """Set values to 0 that differ from 0 only by round-off.
 
-        Also remove gaps between beads that move side by side. A push that closes such a gap would let the contact
-        bounce with the square root of the round-off.
+        These are velocities of sticking beads, and overlap rates of touching or held contacts. Gaps between beads that
+        move together are also removed. A push that closes such a gap would let the contact bounce with the square root
+        of the round-off.
         """
         point = self.point
-        # Beads: find those at rest, and fix their velocities to exactly 0.
+        # Find the beads at rest, and set their velocities to exactly 0.
         rests = np.abs(point.velocity) <= 4.0 * EPSILON * self.speed
         if self.rows.bed.size:
             # The velocity is past 0 by less than the allowed residual, so the bead has come to rest.
@@ -373,7 +384,7 @@ class ExtendedRun:
         both = stays[joint] & stays[joint + 1]
         point.overlap[both] = before.overlap[both]
         point.rate[rests[joint] & rests[joint + 1]] = 0.0
-        # Contacts that are fixed, and open contacts whose gap and rate are round-off.
+        # These contacts are touching or held, or are open with a gap and a rate that are round-off.
         fixed = np.isin(point.branch, (TOUCHING, HELD)) & (np.abs(point.rate) < 10.0 * self.tolerance * self.speed)
         point.rate[fixed] = 0.0
         side_by_side = (point.branch == OPEN) & (np.abs(point.rate) <= ROUND_OFF * self.speed)
@@ -398,8 +409,9 @@ def _first_point(rows: Rows, chain: Chain, state: State) -> Point:
 
 
 def _scales(rows: Rows, point: Point, position: Array) -> tuple[float, float]:
-    """Return the speed scale [m/s] of the motion, from its initial energies and forces, and its shortest time scale
-    [s].
+    """Return the speed scale [m/s] and the shortest time scale [s] of the motion.
+
+    The speed scale follows from the initial energies and forces.
     """
     inverse_reduced = rows.response.diagonal()[: rows.contacts]
     stored = float(np.sqrt(2.0 * rows.stored(point.overlap) * inverse_reduced).max())
@@ -417,8 +429,9 @@ def _scales(rows: Rows, point: Point, position: Array) -> tuple[float, float]:
 
 
 def _driven_speed(rows: Rows, position: Array) -> float:
-    """Return the speed [m/s] of beads from rest after the longest gap, or after the overlap at which a contact carries
-    the drive.
+    """Return the speed [m/s] that an external force gives to beads at rest.
+
+    The beads move over the longest gap, or over the overlap at which a contact carries the external force.
     """
     push = float(np.abs(rows.external * rows.inverse_mass).max())
     carried = rows.inverse(np.full(rows.contacts, np.abs(rows.external).max()))
@@ -427,11 +440,11 @@ def _driven_speed(rows: Rows, position: Array) -> float:
 
 
 def local_error(tableau: Tableau, rows: Rows, stages: Point, h: float) -> float:
-    """Return the error of velocities [m/s] in a step: the last Legendre coefficients of the accelerations, extrapolated
-    by their decay.
+    """Return the error of velocities [m/s] in a step.
 
-    The order is twice the number of coefficients. If the coefficients do not decay, as in a step across an event, the
-    last one is the error.
+    The error follows from the last Legendre coefficients of the accelerations, extrapolated by their decay. The order
+    is twice the number of coefficients. If the coefficients do not decay, as in a step across an event, the last one is
+    the error.
     """
     size = np.abs(tableau.legendre @ rows.acceleration(stages.force, stages.friction))
     if tableau.stages < 4:
@@ -444,19 +457,19 @@ def local_error(tableau: Tableau, rows: Rows, stages: Point, h: float) -> float:
 def hides_switch(
     tableau: Tableau, rows: Rows, start: Point, stages: Point, h: float, slack: float, still: float
 ) -> bool:
-    """Return True if a guard can change its sign inside the step: one of its Bernstein coefficients has the other sign.
+    """Return True if a guard function can change its sign inside the step.
 
-    A guard of velocities that is past its zero by less than `slack` [m/s] does not count, nor does the sliding of a
-    bead slower than `still` [m/s].
+    This is possible if one of its Bernstein coefficients has the other sign. A guard of velocities may be past its zero
+    by less than `slack` [m/s]. The sliding of a bead slower than `still` [m/s] is ignored.
     """
     kinked = (rows.preload > 0.0) | (rows.loss > 0.0)
-    weight = h * rows.response.diagonal()  # Velocity change of a constraint by a force of 1 N.
+    weight = h * rows.response.diagonal()  # Change of a constraint's velocity by a force of 1 N.
     # The branches must be the same at all stages.
     if _mixes(kinked, stages.branch, stages.force, weight[: kinked.size], slack):
         return True
     if rows.bed.size and _mixes(rows.bed > 0.0, stages.side, stages.friction, weight[kinked.size :], slack):
         return True
-    # Overlaps: the Bernstein coefficients bound the polynomial of each contact in the whole step.
+    # Check overlaps. The Bernstein coefficients bound the polynomial of each contact in the whole step.
     acceleration = rows.acceleration(stages.force, stages.friction)
     closing = rows.closing(acceleration)
     branch = stages.branch[0]
@@ -465,20 +478,20 @@ def hides_switch(
     reach = slack * h + 1e-18 * np.abs(start.overlap)
     found = bool(((stages.branch == OPEN).all(axis=0) & (overlap > reach)).any())
     found |= bool((kinked & (branch >= PRESSED) & (overlap < -reach)).any())
-    # Contacts with loss must not reverse.
+    # Check that contacts with loss do not reverse.
     if rows.loss.any():
         rate = start.rate + h * (tableau.bernstein_once @ closing)
         lossy = (rows.loss > 0.0) & (start.overlap > 0.0)
         found |= bool((lossy & (branch == PRESSED) & (rate < -slack)).any())
         found |= bool((lossy & (branch == RELEASED) & (rate > slack)).any())
-    # The force of a touching or held contact must stay within its bounds.
+    # Check that the force of a touching or held contact stays within its bounds.
     fixed = (branch == TOUCHING) | (branch == HELD)
     if fixed.any():
         force = tableau.bernstein_value @ stages.force
         low, high = bounds(rows, start)
         room = 1e-12 * high + slack / weight[: kinked.size]
         found |= bool((fixed & ((force < low - room) | (force > high + room))).any())
-    # Beads on the bed must not reverse or break loose.
+    # Check that beads on the bed do not reverse or break loose.
     if rows.bed.size:
         side = stages.side[0]
         velocity = start.velocity + h * (tableau.bernstein_once @ acceleration)
@@ -490,8 +503,9 @@ def hides_switch(
 
 
 def _mixes(counts: NDArray[np.bool_], branch: Branches, dual: Array, weight: NDArray[np.float64], slack: float) -> bool:
-    """Return True if constraints change their branch among the stages, with forces that differ by more than `slack`
-    [m/s].
+    """Return True if constraints change their branch among the stages.
+
+    Changes are ignored if the forces differ by no more than `slack` [m/s].
     """
     mixed = counts & (branch != branch[0]).any(axis=0)
     return bool((mixed & (weight * np.ptp(dual, axis=0) > slack)).any())
@@ -505,16 +519,16 @@ def bounds(rows: Rows, point: Point) -> tuple[Array, Array]:
 
 
 def next_corner(tableau: Tableau, rows: Rows, stages: Point, h: float, speed: float, allowed: float) -> float:
-    """Return the longest next step [s] towards the first zero of a guard, predicted by its value, slope and curvature
-    at the end.
+    """Return the longest next step [s] towards the first zero of a guard function.
 
-    A step may cross the onset of a force without preload if the force changes no velocity by more than `allowed` [m/s].
+    The zero is predicted from the value, slope and curvature at the end of the step. A step may cross the onset of a
+    force without preload if the force changes no velocity by more than `allowed` [m/s].
     """
     point = stages.last()
     acceleration = rows.acceleration(point.force, point.friction)
     closing = rows.closing(acceleration)
     branch = point.branch
-    # Openings and closings: roots of a parabola through the gap.
+    # Find openings and closings as roots of a parabola through the gap.
     sign = np.where(branch == OPEN, 1.0, -1.0)
     gap = sign * point.overlap
     times = np.where(
@@ -531,12 +545,13 @@ def next_corner(tableau: Tableau, rows: Rows, stages: Point, h: float, speed: fl
 def _next_kink(
     tableau: Tableau, rows: Rows, stages: Point, closing: Array, acceleration: Array, h: float, allowed: float
 ) -> float:
-    """Return the time [s] until a multiplier reaches a bound, or until a rate with loss or a velocity on the bed
-    reaches 0.
+    """Return the time [s] until the next event of a force, a contact with loss, or the bed.
+
+    A multiplier reaches a bound, an overlap rate with loss reaches 0, or a velocity on the bed reaches 0.
     """
     point, found = stages.last(), NEVER
     branch = point.branch
-    # Contacts with loss that may reverse.
+    # Find the times at which contacts with loss may reverse.
     if rows.loss.any():
         turning = (
             (rows.loss > 0.0)
@@ -546,7 +561,7 @@ def _next_kink(
         )
         toward = np.where(branch == PRESSED, -1.0, 1.0)
         found = min(found, _ahead((toward * point.rate)[turning], (toward * closing)[turning]))
-    # Touching or held contacts whose force may reach a bound.
+    # Find the times at which the force of a touching or held contact may reach a bound.
     fixed = (branch == TOUCHING) | (branch == HELD)
     degree = np.arange(tableau.stages)
     at_end = (degree * (degree + 1) / h) @ tableau.legendre  # Weights from values at the nodes to the slope at the end.
@@ -555,7 +570,7 @@ def _next_kink(
         slope = at_end @ stages.force
         found = min(found, _ahead((low - point.force)[fixed], -slope[fixed]))
         found = min(found, _ahead((point.force - high)[fixed], slope[fixed]))
-    # Beads that may stop, or break loose.
+    # Find the times at which beads may stop or break loose.
     if rows.bed.size:
         slides, sticks = point.side != STICKS, (point.side == STICKS) & (rows.bed > 0.0)
         found = min(found, _ahead((-point.side * point.velocity)[slides], (-point.side * acceleration)[slides]))
@@ -566,7 +581,7 @@ def _next_kink(
 
 
 def _ahead(value: Array, slope: Array) -> float:
-    """Return the first time at which a line that begins at a value < 0 reaches 0."""
+    """Return the first time at which a straight line that begins at a value < 0 reaches 0."""
     rising = (value < 0.0) & (slope > 0.0)
     return float((-value[rising] / slope[rising]).min()) if rising.any() else NEVER
 

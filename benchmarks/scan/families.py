@@ -1,5 +1,6 @@
-"""Families of random chains. A family is a function from a random generator to a chain, start velocities and a
-duration.
+"""Families of random chains.
+
+A family is a function of a random generator. It returns a chain, the start velocities and a duration.
 """
 
 from __future__ import annotations
@@ -30,12 +31,12 @@ from softcradle.physics.scales import contact_scales
 Array = NDArray[np.float64]
 Draw = np.random.Generator
 
-NUMBER = r"\d+\.\d+(e[+-]?\d+)?"  # A number with a decimal point, as Python writes it.
+NUMBER = r"\d+\.\d+(e[+-]?\d+)?"  # Pattern of a number with a decimal point, as Python writes it.
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A chain of the scan: its family and seed, its start velocities (n+1,) [m/s], and its duration [s] or None."""
+    """Chain of the scan with its family and seed, its start velocities (n+1,) [m/s], and its duration [s] or None."""
 
     family: str
     seed: int
@@ -45,10 +46,10 @@ class Motion:
 
     @property
     def key(self) -> str:
-        """Family, seed and a hash of the chain, whose numbers are rounded to ten digits. Reference solutions are stored
-        under this key.
+        """Text with family, seed and a hash of the chain. Reference solutions are stored under this key.
 
-        The rounding is needed because durations follow from scales, whose last digits depend on the processor.
+        For the hash, all numbers of the chain are rounded to ten digits. The rounding is needed because durations
+        follow from scales, and the last digits of scales depend on the processor.
         """
         # The text of a chain does not contain the numbers of user-defined laws.
         own = [law.law for law in self.chain.own_laws]
@@ -59,7 +60,7 @@ class Motion:
 
     @property
     def speed(self) -> float:
-        """The speed [m/s] to which a tolerance refers: the largest difference of start velocities, or 1 if they are
+        """Speed [m/s] to which a tolerance refers. It is the largest difference of start velocities, or 1 if they are
         equal.
         """
         return float(np.ptp(self.velocity)) or 1.0
@@ -67,7 +68,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class FormLaw:
-    """A contact law that is not a power law: strength [N], length [m] and one of the FORMS."""
+    """Contact law that is not a power law. It has a strength [N], a length [m] and one of the FORMS."""
 
     strength: float
     length: float
@@ -98,7 +99,7 @@ def _masses(draw: Draw, n: int, decades: float = 1.0) -> Array:
 
 
 def _strike(draw: Draw, n: int) -> Array:
-    """Return the start velocities of one or more strikers and a cluster at rest, or of beads with random velocities."""
+    """Return start velocities of strikers that hit a cluster at rest, or random velocities of all beads."""
     if draw.random() < 0.3:
         return draw.uniform(-1.0, 1.0, n + 1)
     velocity = np.zeros(n + 1)
@@ -145,14 +146,14 @@ def mixed(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def hooke_hertz(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return springs and spheres with strengths over four orders of magnitude."""
+    """Return a chain of springs and spheres. Their strengths differ by up to four orders of magnitude."""
     n = int(draw.integers(2, 8))
     laws = [(hooke, hertz)[int(draw.integers(2))](float(_log(draw, 1.0, 1e4))) for _ in range(n)]
     return Chain(_masses(draw, n, 0.6), laws), _strike(draw, n), None
 
 
 def gears(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a chain of equal or different draft gears, sometimes with step forces among them."""
+    """Return a chain of equal or different draft gears. Some chains also contain contacts with a constant force."""
     n = int(draw.integers(2, 7))
 
     def gear() -> Contact:
@@ -165,7 +166,7 @@ def gears(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def clusters(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return up to three clusters with gaps between them that run into each other."""
+    """Return up to three clusters that collide with each other. There are gaps between them."""
     n = int(draw.integers(3, 8))
     cluster = np.sort(draw.integers(0, 3, n + 1))
     velocity = np.sort(draw.uniform(-1.0, 1.0, 3))[::-1][cluster]
@@ -174,9 +175,7 @@ def clusters(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def driven(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a chain with steady forces on the beads, sometimes with a wall at the end, and sometimes at rest at the
-    start.
-    """
+    """Return a chain with steady forces on the beads. Some chains have a wall at the end, and some start at rest."""
     n = int(draw.integers(1, 6))
     mass = _masses(draw, n)
     velocity = _strike(draw, n) * float(draw.random() < 0.7)
@@ -200,7 +199,7 @@ def walls(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def friction(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a chain on a bed, in a third of the cases with loss in the contacts, and sometimes with a drive."""
+    """Return a chain on a bed. A third of the chains have loss in the contacts, and some have an external force."""
     n = int(draw.integers(1, 6))
     laws = _laws(draw, n)
     if draw.random() < 0.33:
@@ -222,7 +221,7 @@ def loss(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def extreme(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a chain with masses over eight orders of magnitude and strengths over nine."""
+    """Return a chain with masses over eight orders of magnitude and strengths over nine orders."""
     n = int(draw.integers(2, 5))
     mass = np.asarray(_log(draw, 1e-4, 1e4, n + 1))
     laws = [power_law(float(_log(draw, 1e-3, 1e6)), float(draw.choice([0.2, 1.0, 1.5, 2.5]))) for _ in range(n)]
@@ -230,15 +229,13 @@ def extreme(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def one_on_n(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return the paper's collision: one bead on n equal beads, n from 2 to 30, exponent from 0.005 to 0.5."""
+    """Return the paper's collision, in which one bead hits n equal beads. n is 2 to 30, and the exponent 0.005 to 0.5."""
     n = int(draw.integers(2, 31))
     return one_on(n, power_law(1.0, float(_log(draw, 0.005, 0.5)))), np.eye(1, n + 1)[0], None
 
 
 def own_laws(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a chain with user-defined laws, in half of the cases together with power laws, and sometimes with a wall
-    at the end.
-    """
+    """Return a chain with user-defined laws. Half of the chains also have power laws, and some have a wall at the end."""
     n = int(draw.integers(1, 6))
     laws: list[FormLaw | Contact] = [_form(draw)] * n if draw.random() < 0.3 else [_form(draw) for _ in range(n)]
     if draw.random() < 0.5:
@@ -257,7 +254,9 @@ def _form(draw: Draw) -> FormLaw:
 
 
 def couplers(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a train: couplers with loss, slack and stops, sometimes on a bed, and sometimes pulled by a force."""
+    """Return a train whose couplers have loss, slack and stops. Some trains are on a bed, and some are pulled by a
+    force.
+    """
     n = int(draw.integers(1, 5))
     link = _coupler(draw) if draw.random() < 0.5 else None
     laws = [link or _coupler(draw) for _ in range(n)]
@@ -286,8 +285,9 @@ def _coupler(draw: Draw) -> Coupler:
 
 
 def timed(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a chain with forces over time, in a third of the cases with brakes over time, in a third on a bed, at rest
-    or struck.
+    """Return a chain with forces over time. The beads are at rest or struck.
+
+    A third of the chains have brakes over time, and a third are on a bed.
     """
     n = int(draw.integers(1, 6))
     mass, laws = _masses(draw, n), _laws(draw, n)
@@ -302,16 +302,18 @@ def timed(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def _over_time(draw: Draw, n: int, end: float, values: Array) -> TimedForce:
-    """Return a pulse, ramps or steps of the force on one or two beads."""
+    """Return a force over time on one or two beads. It consists of a pulse, ramps or steps."""
     beads = draw.choice(n + 1, size=int(draw.integers(1, 3)), replace=False).tolist()
     knots = np.sort(draw.uniform(0.0, end, int(draw.integers(1, 5))))
-    if draw.random() < 0.4:  # Steps: each breakpoint occurs twice.
+    if draw.random() < 0.4:  # The force has steps, so each breakpoint occurs twice.
         knots = np.repeat(knots, 2)
     return TimedForce(beads, knots, np.append(values[: knots.size - 1], draw.choice([0.0, values[-1]])))
 
 
 def bounded(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a long motion that can end in the middle of a bounce: between walls, or held together by couplers."""
+    """Return a long motion between walls, or of beads that couplers hold together. It can end in the middle of a
+    collision.
+    """
     n = int(draw.integers(1, 6))
     mass, velocity = _masses(draw, n, 0.5), _strike(draw, n)
     if n == 1 or draw.random() < 0.5:
@@ -330,10 +332,11 @@ def bounded(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def bed_struck(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a struck row of two to four beads on a bed whose friction stops the beads about when the contacts open.
+    """Return a struck chain of two to four beads on a bed. Friction stops the beads about when the contacts open.
 
-    The contacts are soft: the largest overlap is a quarter to two thirds of the way that the striker would slide without
-    contact. Then one bead often stops while it still touches its neighbour, and the neighbour stops soon after it has left.
+    The contacts are soft. The largest overlap is a quarter to two thirds of the distance that the striker would slide
+    without contact. Often one bead stops while it still touches its neighbour. The neighbour then stops soon after the
+    contact opens.
     """
     n = int(draw.integers(1, 4))
     mass, exponent, friction = _masses(draw, n, 0.3), _bed_exponent(draw), float(_log(draw, 0.03, 1.0))
@@ -346,9 +349,9 @@ def bed_struck(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def bed_pressed(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a row of two to four beads that overlap at the start, on a bed that holds most of them.
+    """Return a chain of two to four beads that overlap at the start, on a bed that holds most of them.
 
-    In nine of ten rows one bead moves, so fast that it slides over a fifth to three times the largest overlap.
+    In nine of ten chains one bead moves. It is so fast that it slides over a fifth to three times the largest overlap.
     """
     n = int(draw.integers(1, 4))
     law = power_law(float(_log(draw, 0.3, 30.0)), _bed_exponent(draw))
@@ -361,7 +364,7 @@ def bed_pressed(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def _sliding_distance(speed: float, friction: float) -> float:
-    """Return how far [m] a bead with a `speed` [m/s] slides on a bed without other forces."""
+    """Return the distance [m] that a bead with `speed` [m/s] slides on a bed without other forces."""
     return speed**2 / (2.0 * friction * GRAVITY)
 
 
@@ -374,7 +377,9 @@ def _bed_exponent(draw: Draw) -> float:
 
 
 def strings(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return beads on strings, sometimes with gaps, a wall, a drive or loss, for up to two and a half swings."""
+    """Return beads on strings for up to two and a half swings. Some chains have gaps, a wall, an external force or
+    loss.
+    """
     n = int(draw.integers(1, 6))
     mass, laws, velocity = _masses(draw, n), _laws(draw, n), _strike(draw, n)
     if draw.random() < 0.25:
@@ -382,7 +387,7 @@ def strings(draw: Draw) -> tuple[Chain, Array, float | None]:
     if n > 1 and draw.random() < 0.15:
         mass[-1], velocity[-1] = math.inf, 0.0
     drive = draw.normal(size=n + 1) * float(_log(draw, 0.01, 0.3)) if draw.random() < 0.15 else None
-    # The contacts last from a thousandth to a third of a swing.
+    # A contact lasts from a thousandth to a third of a swing.
     contact_time = _time(draw, Chain(mass, laws), velocity)
     length = GRAVITY * (contact_time / float(_log(draw, 6e-3, 2.0))) ** 2
     period = 2.0 * math.pi * math.sqrt(length / GRAVITY)
@@ -414,7 +419,7 @@ FAMILIES: dict[str, Callable[[Draw], tuple[Chain, Array, float | None]]] = {
 
 
 def motion(family: str, seed: int) -> Motion:
-    """Return the chain of `family` with this seed."""
+    """Return a random chain of `family`, generated from `seed`."""
     draw = np.random.default_rng([seed, *family.encode()])
     chain, velocity, duration = FAMILIES[family](draw)
     return Motion(family, seed, chain, tuple(float(v) for v in velocity), duration)

@@ -28,17 +28,18 @@ from benchmarks.scan.collocation import Array, Extended
 Branches = NDArray[np.int8]
 
 OPEN, TOUCHING, PRESSED, HELD, RELEASED = 0, 1, 2, 3, 4
-LEAST = np.finfo(Extended).tiny  # Smallest overlap [m] at which a slope can be evaluated.
-# Largest number of Newton iterations of a convex equation. The start is at most log 2 from the root.
+LEAST = np.finfo(Extended).tiny  # Smallest overlap at which a slope is evaluated [m].
+# Largest number of Newton iterations for a convex equation. The start differs from the root by at most log 2.
 RESOLVENT_ITERATIONS = 9
-SETTLED = 1e-10  # Last change of a logarithm at which the iteration stops. The next change would be its square.
+# The iteration stops if the change of the logarithm is below this. The next change would be its square.
+SETTLED = 1e-10
 BACKWARD, STICKS, FORWARD = -1, 0, 1
 
 
 @dataclass(frozen=True)
 class Rows:
-    """The constraints of a chain in extended precision: m contacts, at least one per pair of neighbours, and n+1 beds
-    with friction.
+    """Constraints of a chain in extended precision: m contacts, at least one per pair of neighbours, and n+1 beds with
+    friction.
 
     Attributes:
         joint: (m,) index of the pair of neighbours of each contact.
@@ -47,7 +48,7 @@ class Rows:
         inverse_mass: (n+1,) inverse masses, 0 for a wall.
         bed: (n+1,) friction of a sliding bead [N], or empty.
         external: (n+1,) steady force on each bead [N].
-        response: (m+b, m+b) matrix from dual values to the accelerations that they take from the primal values.
+        response: (m+b, m+b) matrix that gives the accelerations of the primal values from the dual values.
     """
 
     joint: NDArray[np.intp]
@@ -80,8 +81,9 @@ class Rows:
         return cls(joint, side, origin, preload, stiffness, exponent, loss, inverse_mass, bed, force, response)
 
     def under(self, push: Array, brake: Array) -> Rows:
-        """Return the constraints with additional external forces and friction (..., n+1) [N], at one time or at all
-        stages.
+        """Return the constraints with additional external forces and friction (..., n+1) [N].
+
+        The forces belong to one time or to all stages.
         """
         bed = self.bed + np.where(self.inverse_mass > 0.0, brake, 0.0) if self.bed.size else self.bed
         return replace(self, external=self.external + push, bed=bed)
@@ -112,20 +114,19 @@ class Rows:
         return bool(self.joint.size == self.inverse_mass.size - 1)
 
     def of_contacts(self, joints: Array, origin: bool = False) -> Array:
-        """Return the values (..., m) of contacts that follow from differences (..., n) of neighbours; overlaps are
-        reduced by `origin`.
+        """Return the values (..., m) of the contacts for differences (..., n) of neighbouring beads.
+
+        If `origin` is True, the origin of each contact is subtracted. Overlaps need this.
         """
         found: Array = joints[..., self.joint] - self.origin if origin else joints[..., self.joint]
         return self.side * found
 
     def closing(self, beads: Array) -> Array:
-        """Return the (..., m) rates at which values (..., n+1) of the beads close each contact."""
+        """Return the (..., m) rates at which the contacts close if the beads have the values (..., n+1)."""
         return self.of_contacts(beads[..., :-1] - beads[..., 1:])
 
     def on_joints(self, force: Array) -> Array:
-        """Return the (..., n) forces between neighbours that follow from forces (..., m) of contacts. Negative forces
-        pull.
-        """
+        """Return the (..., n) forces between neighbours that result from contact forces (..., m). Negative forces pull."""
         if self.single:
             return self.side * force
         total = np.zeros((self.inverse_mass.size - 1, *force.shape[:-1]), dtype=force.dtype)
@@ -133,7 +134,7 @@ class Rows:
         return np.moveaxis(total, 0, -1)
 
     def push(self, force: Array) -> Array:
-        """Return the (..., n+1) forces on the beads from contact forces (..., m) and external forces."""
+        """Return the (..., n+1) forces on the beads that result from contact forces (..., m) and external forces."""
         joints = self.on_joints(force)
         net = np.empty(
             np.broadcast_shapes((*joints.shape[:-1], self.inverse_mass.size), self.external.shape), dtype=Extended
@@ -144,8 +145,9 @@ class Rows:
         return net
 
     def acceleration(self, force: Array, friction: Array) -> Array:
-        """Return the (..., n+1) accelerations of the beads under contact forces (..., m) and bed friction (..., n+1 or
-        0).
+        """Return the (..., n+1) accelerations of the beads.
+
+        The contact forces have the shape (..., m), and the bed friction has the shape (..., n+1 or 0).
         """
         net = self.push(force)
         if self.bed.size:
@@ -153,7 +155,7 @@ class Rows:
         return net * self.inverse_mass
 
     def with_firm(self, firm: NDArray[np.bool_]) -> Rows:
-        """Return the constraints with the beads `firm` (n+1,) fixed like walls."""
+        """Return the constraints for a chain in which the beads `firm` (n+1,) are fixed like walls."""
         if not firm.any():
             return self
         inverse_mass = np.where(firm, 0.0, self.inverse_mass)
@@ -186,8 +188,9 @@ class Rows:
         return found
 
     def resolvent(self, excess: Array, weight: Array) -> Array:
-        """Return the (..., n) overlaps d > 0 with d + weight * stiffness * d**exponent = `excess` > 0, by Newton's
-        iteration in log d.
+        """Return the (..., n) overlaps d > 0 with d + weight * stiffness * d**exponent = `excess` > 0.
+
+        The equation is solved by Newton's iteration in log d.
         """
         pull = weight * self.stiffness
         most = np.minimum(excess, np.where(pull > 0.0, (excess / pull) ** (1.0 / self.exponent), excess))
@@ -213,7 +216,7 @@ class Rows:
 
 
 def _response(joint: NDArray[np.intp], side: Array, inverse_mass: Array, on_bed: bool) -> NDArray[np.float64]:
-    """Return the (m+b, m+b) matrix that `Rows` describes."""
+    """Return the (m+b, m+b) matrix `response` of the class `Rows`."""
     n = inverse_mass.size - 1
     difference = (np.eye(n, n + 1) - np.eye(n, n + 1, 1))[joint] * side.astype(np.float64)[:, None]
     rows = np.vstack((difference, np.eye(n + 1))) if on_bed else difference

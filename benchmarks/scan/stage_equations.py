@@ -31,19 +31,19 @@ from benchmarks.scan.monotone_rows import (
 
 Double = NDArray[np.float64]
 
-# Relative limit, as a fraction of the largest eigenvalue or singular value. Smaller values count as 0.
+# Eigenvalues or singular values below this fraction of the largest one count as 0.
 SINGULAR = 1e-10
 MOST_ITERATIONS = 40  # Largest number of Newton iterations. If they do not converge, a shorter step is tried.
-# Number of full iterations. After them, changes are multiplied by DAMPED, for contacts that alternate between two
-# branches.
+# Number of iterations with full changes. Later changes are multiplied by DAMPED, which helps contacts that alternate
+# between two branches.
 UNDAMPED_ITERATIONS, DAMPED = 12, 0.5
-# Smallest derivative of an overlap with respect to its place that differs from 0, the value of a fixed constraint.
+# Smallest derivative of an overlap with respect to its place that differs from 0. The value 0 marks a fixed constraint.
 LEAST = float(np.finfo(np.float64).tiny)
 
 
 @dataclass
 class Point:
-    """The state of all constraints at one time, or at s stages (leading axis).
+    """State of all constraints at one time, or at s stages (leading axis).
 
     Attributes:
         overlap, rate (..., m), velocity (..., n+1): primal values of contacts and beads.
@@ -60,7 +60,7 @@ class Point:
     side: Branches
 
     def last(self) -> Point:
-        """Return the point at the last stage."""
+        """Return the state at the last stage."""
         return Point(*(value[-1].copy() for value in vars(self).values()))
 
 
@@ -80,7 +80,7 @@ class Strings:
 
 
 class Stages:
-    """The stage equations of one step of length `h` from `start`. `solve` returns the stages or None."""
+    """Stage equations of one step of length `h` from `start`. The method `solve` returns the stages or None."""
 
     def __init__(
         self,
@@ -95,7 +95,7 @@ class Stages:
         self.rows, self.start, self.h = rows, start, h
         self.once, self.twice = h * tableau.once, h * h * tableau.twice
         self.drift = start.overlap + h * tableau.node[:, None] * start.rate
-        # Velocity changes of contacts and beads by the strings.
+        # Velocity changes of contacts and beads that the strings cause.
         self.pulled, self.pulled_beads = np.zeros_like(self.drift), np.zeros((1, start.velocity.size), dtype=Extended)
         if strings is not None:
             self._hang(strings, tableau)
@@ -103,16 +103,17 @@ class Stages:
         self.wanted, self.wanted_at_rest = wanted, wanted if wanted_at_rest is None else wanted_at_rest
         self.round_off = 8.0 * EPSILON * (np.abs(start.overlap) + np.abs(h * start.rate))
         diagonal = rows.response.diagonal()[: rows.contacts]
-        self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # Overlap [m] that a force of 1 N takes away.
-        # `firm` (n+1,) marks beads that do not move in this step; it is empty without a bed. `free` holds the rows in
-        # which these beads are walls.
+        self.yielding = 0.5 * (h * tableau.node[:, None]) ** 2 * diagonal  # Overlap [m] that a force of 1 N removes.
+        # `firm` (n+1,) marks beads that do not move in this step; it is empty without a bed. `free` contains the
+        # constraints for a chain in which these beads are walls.
         self.firm, self.free = np.zeros(rows.bed.shape[-1], dtype=bool), rows
         self.once_double, self.twice_double = self.once.astype(np.float64), self.twice.astype(np.float64)
 
     def _hang(self, strings: Strings, tableau: Tableau) -> None:
-        """Include the pull of the strings: accelerations a at the stages solve (I + omega² h² A²) a = a0 - omega² y.
+        """Include the pull of the strings in the equations.
 
-        a0 are the accelerations by all other forces, and y are the displacements from rest without any force.
+        The accelerations a at the stages solve (I + omega² h² A²) a = a0 - omega² y. The accelerations a0 result from
+        all other forces. The displacements y from rest are those without any force.
         """
         inverse = _inverse(np.eye(tableau.stages, dtype=Extended) + strings.square * self.twice)
         free = self.drift - strings.rest
@@ -158,8 +159,9 @@ class Stages:
         return None
 
     def _guess(self) -> Point:
-        """Return stages with the forces at the start. Contacts that are not stiff get the overlaps that these forces
-        cause.
+        """Return first values of the stages, with the forces at the start of the step.
+
+        Contacts that are not stiff get the overlaps that these forces cause.
         """
         start, rows, shape = self.start, self.rows, self.drift.shape
         stages = Point(*(np.broadcast_to(v, (shape[0], v.size)).copy() for v in vars(start).values()))
@@ -174,11 +176,11 @@ class Stages:
         return stages
 
     def _part(self, branch: Branches) -> Array:
-        """Return the fraction of the law's force on each branch."""
+        """Return the fraction of the law's force that acts on each branch."""
         return np.where(branch == RELEASED, 1.0 - self.rows.loss, 1.0)
 
     def _residuals(self, stages: Point) -> tuple[Array, Array]:
-        """Return the residuals of the stage equations of contacts and beds. Update rates and velocities."""
+        """Return the residuals of the stage equations of contacts and beds. The rates and velocities are updated."""
         if self.firm.any():
             stages.friction[:, self.firm] = self.rows.push(stages.force)[:, self.firm]
         acceleration = self.free.acceleration(stages.force, stages.friction)
@@ -202,7 +204,10 @@ class Stages:
         return bool((np.abs(contact_error) <= allowed).all() and (np.abs(bed_error) <= self.wanted_at_rest).all())
 
     def _turn(self, stages: Point) -> bool:
-        """Hold contacts with loss that move against their branch, and stop such beads. Return True if there were any."""
+        """Hold contacts with loss that move against their branch, and stop beads that move against their side.
+
+        Return True if there were any.
+        """
         turned = False
         if self.rows.loss.any():
             lossy = (self.rows.loss > 0.0) & (stages.overlap > 0.0)
@@ -248,10 +253,10 @@ class Stages:
         return np.where(fixed, 0.0, primal).astype(np.float64), np.where(fixed, 1.0, dual).astype(np.float64)
 
     def _move_contacts(self, stages: Point, step: Double) -> None:
-        """Move along the graphs, in place, and across events to the next branch.
+        """Move all contacts along their graphs, in place. A contact that reaches an event continues on the next branch.
 
-        The place on a graph is overlap + weight * force. Both are functions of the place that change by no more than it
-        does.
+        The place on a graph is overlap + weight * force. Overlap and force are functions of the place. They change by
+        no more than the place.
         """
         rows, branch, weight = self.rows, stages.branch, self.yielding
         held, part = branch == HELD, self._part(branch)
@@ -271,7 +276,7 @@ class Stages:
         self._release(stages)
 
     def _release(self, stages: Point) -> None:
-        """Release held contacts whose force has left its bounds: they load or unload."""
+        """Release held contacts whose force has left its bounds. They then load or unload."""
         if not self.rows.loss.any():
             return
         law = self.rows.law(stages.overlap)
@@ -291,11 +296,11 @@ class Stages:
 
 
 def solved(rows: Rows, rule: Double, primal: Double, dual: Double, right: Double) -> Double:
-    """Return the (s, p) changes of places on the graphs of p constraints at s stages, or NaN if the equations have no
-    solution.
+    """Return the (s, p) changes of places on the graphs of p constraints at s stages.
 
-    The equations state that `right` (s, p) equals the change of a constraint at a stage. It is `primal` (s, p) times
-    its own place change, plus the effect of the changes `dual` (s, p) of all constraints through their response and the
+    The result is NaN if the equations have no solution. The equations state that `right` (s, p) equals the change of a
+    constraint at a stage. This change has two parts. The first is `primal` (s, p) times the constraint's own change of
+    place. The second is the effect of the changes `dual` (s, p) of all constraints through their response and the
     `rule` (s, p, s) of the stage.
     """
     if _is_determined(rows, primal):
@@ -304,7 +309,10 @@ def solved(rows: Rows, rule: Double, primal: Double, dual: Double, right: Double
 
 
 def _is_determined(rows: Rows, primal: Double) -> bool:
-    """Return True if the motion determines all multipliers. Between sticking beads, or between two walls, it does not."""
+    """Return True if the motion determines all multipliers.
+
+    Multipliers between sticking beads or between two walls are not determined.
+    """
     fixed = (primal == 0.0).all(axis=0)
     if fixed.sum() < 2:
         return True
@@ -324,7 +332,10 @@ def _full(rows: Rows, rule: Double, primal: Double, dual: Double) -> Double:
 
 
 def _banded(rows: Rows, rule: Double, primal: Double, dual: Double, right: Double) -> Double:
-    """Solve with a band matrix. Constraints are in the order of the chain, and the stages of each one are neighbours."""
+    """Solve the equations with a band matrix.
+
+    Constraints are in the order of the chain, and the stages of each constraint are neighbours.
+    """
     stages, count = primal.shape
     order, reach = rows.order, max(rows.answers)
     rule, dual = rule[:, order], dual[:, order]
@@ -372,5 +383,5 @@ def _inverse(matrix: Array) -> Array:
 
 
 def _size(values: Double) -> Double:
-    """Return the values, with 1 instead of 0."""
+    """Return the values with each 0 replaced by 1."""
     return np.where(values == 0.0, 1.0, values)

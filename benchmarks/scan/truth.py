@@ -1,15 +1,17 @@
-"""The reference solution of a chain of the scan: fine runs that another method confirms, or the reference in extended
-precision.
+"""Reference solutions of the chains of the scan.
 
-Most chains are easy, but the reference takes seconds. If two fine runs with different steps agree, and `conserving`
-confirms their end, the fine runs are the reference solution. `conserving` shares neither steps nor event location with
-them. The reference in extended precision solves one chain of twenty, and every chain that the fine runs cannot solve or
-do not agree on.
+A reference solution consists of fine simulations that another method confirms, or comes from the reference method in
+extended precision.
 
-The reference accepts no user-defined laws. Method `scipy` solves chains with such laws, because it calls the functions
-where other methods read a table. If the reference gives up, the motion bounces often. Then the finest runs of two
-methods show how precisely the motion is determined. If these give up as well, the spread of runs of `conserving` shows
-how precisely its end is known; coarser runs give a wider spread.
+Most chains are easy, but the reference method takes seconds. If two fine simulations with different steps agree, and
+`conserving` confirms their end, they are the reference solution. `conserving` shares neither steps nor event location
+with them. The reference method solves one chain of twenty. It also solves every chain for which the fine simulations
+fail or disagree.
+
+The reference method does not accept user-defined laws. The method `scipy` solves chains with such laws. It calls the
+functions, whereas other methods read a table. If the reference method gives up, contacts open and close often. The
+finest simulations of two methods then show how precisely the motion is determined. If these give up as well, the spread
+of simulations with `conserving` shows how precisely the end is known. Larger steps give a wider spread.
 """
 
 from __future__ import annotations
@@ -33,28 +35,34 @@ from benchmarks.scan.families import Motion
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-12  # Tolerance of the reference in extended precision.
-SCIPY = 1e-9, 1e-10  # Tolerances of the two runs with method `scipy`.
-MOST_STEPS_OF_SCIPY = 100_000  # Largest number of steps of each of these runs, which takes about ten seconds.
-# Largest number of steps of the reference times the square of the number of beads, which takes some seconds.
+SCIPY = 1e-9, 1e-10  # Tolerances of the two simulations with the method `scipy`.
+MOST_STEPS_OF_SCIPY = 100_000  # Largest number of steps of a simulation with `scipy`. It takes about ten seconds.
+# Largest product of the number of steps of the reference method and the square of the number of beads. It takes some
+# seconds.
 STEPS_AND_SQUARE = 60_000
-# Lower and upper limit of the number of steps of the reference that STEPS_AND_SQUARE gives.
+# Lower and upper limit of the number of steps of the reference method that follows from STEPS_AND_SQUARE.
 LEAST_STEPS, MOST_STEPS_OF_REFERENCE = 200, 3000
-SHAKE = 1e-10  # Relative change of the forces from one run of `conserving` to the next.
-CONFIRMING = (1000, 1300)  # Steps per longest contact time in the two runs of `conserving` that confirm fine runs.
-# Steps per longest contact time in the runs whose spread is the reference solution. They differ because similar steps
-# have similar errors.
+SHAKE = 1e-10  # Relative change of the forces from one simulation with `conserving` to the next.
+# Number of steps per longest contact time in the two simulations with `conserving` that confirm fine simulations.
+CONFIRMING = (1000, 1300)
+# Number of steps per longest contact time in the simulations whose spread is the reference solution. The numbers differ
+# because similar steps have similar errors.
 SPREADING = (300, 600, 1000, 1700, 3000)
-MOST_STEPS = 300_000  # Approximate limit of the number of steps of a run of `conserving`.
-FINE = {"radau": 1e-11, "accurate": 3e-12}  # Tolerances of the two fine runs.
-AGREEMENT = 1e-10  # Largest difference of two fine runs that confirm each other, as a fraction of the closing speed.
-CONFIRMED = 20.0  # Largest allowed distance of `conserving` from the fine runs, in differences of its two runs.
-CONFIRMED_AT_LEAST = 1e-5  # Lower limit of this distance, as a fraction of the closing speed.
-# Methods and tolerances, finest first, of runs that show how precisely a motion is determined. Each run is repeated
-# with perturbed forces.
+MOST_STEPS = 300_000  # Approximate limit of the number of steps of a simulation with `conserving`.
+FINE = {"radau": 1e-11, "accurate": 3e-12}  # Tolerances of the two fine simulations.
+# Largest difference of two fine simulations that confirm each other, as a fraction of the closing speed.
+AGREEMENT = 1e-10
+# Largest allowed distance of `conserving` from the fine simulations, in units of the difference of its two simulations.
+CONFIRMED = 20.0
+# Lower limit of the distance of `conserving` from the fine simulations that is allowed, as a fraction of the closing
+# speed.
+CONFIRMED_AT_LEAST = 1e-5
+# Methods and tolerances of simulations that show how precisely a motion is determined. The finest tolerance is first.
+# Each simulation is repeated with perturbed forces.
 DETERMINING, FINEST = ("accurate", "radau"), (1e-13, 1e-12, 1e-11, 1e-10)
 ROUND_OFF = 1e-14  # Relative change of the perturbed forces: some units in the last place.
-MOST_FINE_STEPS = 1_000_000  # Largest number of steps of each of these runs, which takes some seconds.
-# Number of finished runs that a method needs for its spread. If it has this number, no coarser runs are tried.
+MOST_FINE_STEPS = 1_000_000  # Largest number of steps of a simulation with perturbed forces. It takes some seconds.
+# Number of finished simulations that a method needs for its spread. With this number, larger tolerances are not tried.
 LEAST_FINE_RUNS = 3
 # Sources of a reference solution.
 FINE_RUNS, REFERENCE, FINE_SPREAD, SPREAD, BY_SCIPY = SOURCES = (
@@ -64,21 +72,23 @@ BY_REFERENCE = 20  # The reference solves each chain whose seed is a multiple of
 BEDS = (
     "bed-struck",
     "bed-pressed",
-)  # Families of short rows. The reference solves each chain in a fraction of a second.
-# Steps per longest contact time in the run of `conserving` that confirms the positions of fine runs.
+)  # These are families of short chains. The reference method solves each chain in a fraction of a second.
+# Number of steps per longest contact time in the simulation with `conserving` that confirms the positions of fine
+# simulations.
 CONFIRMING_PATH = 300
-# Largest allowed distance of the positions of `conserving` from those of fine runs, as a fraction of the closing speed
-# times the duration. A bead that is moved by mistake has a far larger error, and these steps have a far smaller one.
+# Largest allowed distance of the positions of `conserving` from the positions of fine simulations, as a fraction of the
+# closing speed times the duration. A wrong motion of a bead causes a far larger error. These steps have a far smaller
+# error.
 PATH_CONFIRMED = 1e-3
-# Fraction of the closing speed. If the overlap of a contact changes more slowly, its closing or opening time is hardly
-# determined.
+# Fraction of the closing speed. If the overlap of a contact changes more slowly than this, the time at which the
+# contact closes or opens is hardly determined.
 SLOW_EVENT = 1e-3
 MOST_EVENTS = 30  # Largest number of events of a chain that are judged. Later closings and openings add no information.
 
 
 @dataclass(frozen=True)
 class Path:
-    """Final positions and contact times.
+    """Final positions and contact times of a motion.
 
     Attributes:
         position: (n+1,) final positions [m].
@@ -93,14 +103,18 @@ class Path:
     events: tuple[Event, ...]
 
     def at(self, time: float, velocity: Array) -> Array:
-        """Return the positions (n+1,) at `time` [s], after free flight from or to the end with `velocity` (n+1,) [m/s]."""
+        """Return the positions (n+1,) at `time` [s].
+
+        They follow from free flight with `velocity` (n+1,) [m/s] between this time and the end.
+        """
         return self.position + (time - self.end) * velocity
 
 
 @dataclass(frozen=True)
 class Truth:
-    """A reference solution: final velocities (n+1,) [m/s], their uncertainties (n+1,) [m/s], its source, and the path
-    if it is known.
+    """Reference solution with its source.
+
+    It contains the final velocities (n+1,) [m/s], their uncertainties (n+1,) [m/s], and the path if it is known.
     """
 
     velocity: Array
@@ -118,7 +132,7 @@ class Truth:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Truth:
-        """Return the Truth that `as_json` wrote."""
+        """Return the Truth from values that `as_json` has written."""
         path = data.get("path")
         if path is not None:
             events = tuple(Event(int(i), bool(closes), *rest) for i, closes, *rest in path["events"])
@@ -145,7 +159,7 @@ def truth_of(motion: Motion) -> Truth:
 
 
 def _by_scipy(motion: Motion) -> Truth | None:
-    """Return the end of the finer of two runs of method `scipy`, with their difference as the uncertainty."""
+    """Return the final state of the finer of two simulations with `scipy`. Their difference is the uncertainty."""
     ends = []
     for tolerance in SCIPY:
         run = solve(motion.chain, motion.velocity, motion.duration, "scipy", None, 2, tolerance, MOST_STEPS_OF_SCIPY)
@@ -156,7 +170,10 @@ def _by_scipy(motion: Motion) -> Truth | None:
 
 
 def _fine(motion: Motion) -> Truth | None:
-    """Return the end of two fine runs, or None if they disagree or `conserving` does not confirm them."""
+    """Return the final state of two fine simulations.
+
+    Return None if they disagree or if `conserving` does not confirm them.
+    """
     runs = _fine_runs(motion)
     if any(found.warnings for found in runs):
         return None
@@ -177,7 +194,9 @@ def _fine_runs(motion: Motion) -> list[Trajectory]:
 
 
 def with_path(motion: Motion, truth: Truth) -> Truth:
-    """Return the solution with the path of fine runs, if they end with its velocities and `conserving` confirms their
+    """Return the reference solution with the path of fine simulations.
+
+    The path is added if the simulations end with the velocities of the solution and `conserving` confirms their
     positions.
     """
     if truth.source != FINE_RUNS:
@@ -188,7 +207,7 @@ def with_path(motion: Motion, truth: Truth) -> Truth:
 
 
 def _path(motion: Motion, other: Trajectory, finest: Trajectory) -> Path | None:
-    """Return the path of the finest of two fine runs, or None if `conserving` ends at other positions."""
+    """Return the path of the finest of two fine simulations, or None if `conserving` ends at other positions."""
     end, velocity = float(finest.time[-1]), finest.final_velocity
     length = motion.speed * end
     step = max(float(np.median(contact_scales(motion.chain, motion.velocity)[1])) / CONFIRMING_PATH, end / MOST_STEPS)
@@ -201,7 +220,10 @@ def _path(motion: Motion, other: Trajectory, finest: Trajectory) -> Path | None:
 
 
 def _events(motion: Motion, other: Trajectory, finest: Trajectory) -> tuple[Event, ...]:
-    """Return the first contact times of a run that another run confirms, with the rates of the overlaps at these times."""
+    """Return the first contact times of a simulation that another simulation confirms.
+
+    The rates of the overlaps at these times are included.
+    """
     times = sorted(_switches(finest), key=lambda switch: switch[2])[:MOST_EVENTS]
     if motion.chain.couplers or not times:
         return ()
@@ -229,11 +251,10 @@ def _switches(found: Trajectory) -> list[tuple[int, bool, float]]:
 
 
 def off_by(event: Event, found: Trajectory, speed: float) -> float:
-    """Return the error [m] of the time of an event in a run: the difference of the times, times the rate of the
-    overlap.
+    """Return the error of the time of an event in a simulation, expressed as a distance [m].
 
-    It is 0 if this rate is too small to determine the time, and infinite if the contact does not close or open in the
-    run.
+    It is the difference of the times, multiplied by the rate of the overlap. It is 0 if this rate is too small to
+    determine the time. It is infinite if the contact does not close or open in the simulation.
     """
     if event.speed < SLOW_EVENT * speed:
         return 0.0
@@ -242,11 +263,11 @@ def off_by(event: Event, found: Trajectory, speed: float) -> float:
 
 
 def _fine_spread(motion: Motion) -> Truth | None:
-    """Return the median and the spread of fine runs, if enough of them finish. They show how precisely the motion is
-    determined.
+    """Return the median and the spread of fine simulations, if enough of them finish.
 
-    The runs of the method with the smaller spread are used. If the runs of the other method are further away than their
-    own spread, the runs of both methods are used.
+    The spread shows how precisely the motion is determined. The simulations of the method with the smaller spread are
+    used. If the results of the other method are further away than their own spread, the simulations of both methods are
+    used.
     """
     found = [ends for ends in (_fine_ends(motion, method) for method in DETERMINING) if len(ends) >= LEAST_FINE_RUNS]
     if not found:
@@ -260,7 +281,7 @@ def _fine_spread(motion: Motion) -> Truth | None:
 
 
 def _fine_ends(motion: Motion, method: str) -> Array:
-    """Return the (runs, n+1) final velocities of the finest runs of a method that finish."""
+    """Return the (runs, n+1) final velocities of the finest simulations of a method that finish."""
     ends: list[Array] = []
     for tolerance in FINEST:
         if len(ends) >= LEAST_FINE_RUNS:
@@ -279,8 +300,9 @@ def _largest_spread(ends: Array) -> float:
 
 
 def _spread(motion: Motion) -> Truth:
-    """Return the mean and the spread of `conserving` with five steps and slightly different forces, and of the finest
-    run.
+    """Return the mean and the spread of several simulations.
+
+    They are simulations with `conserving` with five steps and slightly different forces, and the finest simulation.
     """
     method, tolerance = list(FINE.items())[-1]
     if refusal_of(method, motion.chain):
@@ -294,9 +316,9 @@ def _spread(motion: Motion) -> Truth:
 
 
 def _conserving(motion: Motion, parts_of_contact: tuple[int, ...], last: float) -> Array:
-    """Return the (runs, n+1) final velocities of `conserving`, each with another step and slightly different forces.
+    """Return the (runs, n+1) final velocities of simulations with `conserving`.
 
-    `last` [s] is the approximate end of the motion.
+    Each simulation has another step and slightly different forces. `last` [s] is the approximate end of the motion.
     """
     longest = float(np.median(contact_scales(motion.chain, motion.velocity)[1]))
     runs = []

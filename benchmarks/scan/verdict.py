@@ -1,4 +1,4 @@
-"""The verdict on one run: its error compared with the tolerance and with the error that the run estimates."""
+"""Verdict on one simulation. Its error is compared with the tolerance and with the error that the method estimates."""
 
 from __future__ import annotations
 
@@ -13,22 +13,24 @@ from softcradle.physics.trajectory import Trajectory
 from benchmarks.scan.families import Motion
 from benchmarks.scan.truth import FINE_SPREAD, Path, Truth, off_by
 
-GUARANTEE = 10.0  # Guaranteed error of final velocities, in tolerances.
-SLOW = 1.0  # Time [s] above which a run counts as slow.
+GUARANTEE = 10.0  # Guaranteed error of final velocities, as a multiple of the tolerance.
+SLOW = 1.0  # Computing time [s] above which a simulation counts as slow.
 
 
 class RunVerdict(StrEnum):
-    """The result of comparing a run with the reference solution."""
+    """Result of comparing a simulation with the reference solution."""
 
     WITHIN = "within"  # The error is within the guarantee.
-    REPORTED = "reported"  # The error is larger, but within the error that the run estimates, or the run warns.
-    UNDETECTED = "undetected"  # The error is larger than the run estimates, so it is undetected.
+    # The error exceeds the guarantee. It is within the error that the method estimates, or the method warns.
+    REPORTED = "reported"
+    # The error exceeds the guarantee and the error that the method estimates, so it is undetected.
+    UNDETECTED = "undetected"
     GAVE_UP = "gave up"
-    UNKNOWN = "unknown"  # The reference solution is less precise than the error that would have to be shown.
+    UNKNOWN = "unknown"  # The reference solution is not precise enough to show an error.
 
 
 def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[str, Any]:
-    """Solve `motion` with `method`. Return the verdict and the numbers behind it."""
+    """Solve `motion` with `method`. Return the verdict and the numbers from which it follows."""
     began = perf_counter()
     found = solve(motion.chain, motion.velocity, motion.duration, method, samples=2, tolerance=tolerance)
     seconds = perf_counter() - began
@@ -56,7 +58,10 @@ def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[s
 
 
 def _path_errors(motion: Motion, truth: Truth, found: Trajectory) -> tuple[float, float]:
-    """Return the errors [m] of final positions, and of contact times as distances; 0 if the path is not known."""
+    """Return the errors [m] of final positions and of contact times, which are expressed as distances.
+
+    They are 0 if the path is not known.
+    """
     path = truth.path
     if path is None or found.status.gave_up:
         return 0.0, 0.0
@@ -66,7 +71,9 @@ def _path_errors(motion: Motion, truth: Truth, found: Trajectory) -> tuple[float
 
 
 def _path_verdict(found: Trajectory, error: float, path: Path, allowed: float) -> RunVerdict:
-    """Return the verdict on positions and contact times, which are off by `error` [m]; `allowed` [m] is guaranteed."""
+    """Return the verdict on positions and contact times, whose error is `error` [m]. The guaranteed error is `allowed`
+    [m].
+    """
     if error <= allowed + min(path.doubt, allowed):
         return RunVerdict.WITHIN
     bound = float(np.fmax(found.position_error[-1], allowed))
