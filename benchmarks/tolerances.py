@@ -26,7 +26,7 @@ DEEP_CLUSTERS = {5: 14, 10: 30, 20: 50}  # Maps the number n of targets to 1/alp
 
 # The true result is that of radau with the first of these tolerances, if the second one confirms it.
 TRUTH_TOLERANCES = (1e-13, 1e-12)
-AGREEMENT = 1e-7  # Largest difference of two results that confirm each other [m/s].
+AGREEMENT = 1e-7  # For chattering chains, the true result is that of the first of these tolerances without a warning.
 # For chattering chains, the true result is that with the first of these tolerances that gives no warning.
 UNWARNED_TOLERANCES = (1e-10, 1e-9)
 

@@ -1,4 +1,6 @@
-"""Headless browser, driven over two pipes with the DevTools protocol, for tests, pictures and measurements of pages."""
+"""Headless browser for tests, pictures and measurements of pages. It is controlled with the DevTools protocol over two
+pipes.
+"""
 
 from __future__ import annotations
 
@@ -13,21 +15,23 @@ from pathlib import Path
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-PATIENCE = 1800.0  # seconds to wait for any answer of the browser, long because the machine may be busy
+PATIENCE = 1800.0  # Time to wait for any answer of the browser [s]. It is long because the machine may be busy.
 
-# Program that starts the browser, which reads commands from file descriptor 3 and answers on 4.
+# Program that starts the browser. The browser reads commands from file descriptor 3 and writes answers to 4.
 LAUNCH = (
     "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.argv[2]), 4); os.execv(sys.argv[3], sys.argv[3:])"
 )
 
 
 def found() -> str | None:
-    """Return the path of an installed browser, or None."""
+    """Return the path of an installed browser, or None if there is none."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Browser:
-    """One page in a separate browser process. Errors of the page and requests to the network are in `complaints`."""
+    """One page in a separate browser process. The list `complaints` contains errors of the page and requests to the
+    network.
+    """
 
     def __init__(self, profile: Path, size: tuple[int, int] = (1280, 900)) -> None:
         browser = found()
@@ -112,7 +116,7 @@ class Browser:
             self.complaints.append(f"requests {parameters['request']['url']}")
 
     def run(self, script: str) -> Any:
-        """Return the value of a JavaScript expression, awaited if it is a promise."""
+        """Return the value of a JavaScript expression. If the value is a promise, wait for its result."""
         answer = self.call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
@@ -123,7 +127,7 @@ class Browser:
         self.until("document.readyState + location.protocol === 'completefile:'")
 
     def until(self, script: str) -> Any:
-        """Return the value of a JavaScript expression once it is true; this may take long on a busy machine."""
+        """Wait until a JavaScript expression is true, and return its value. This may take long on a busy machine."""
         end = time.monotonic() + PATIENCE
         while not (found := self.run(script)):
             assert time.monotonic() < end, f"never came: {script}"
@@ -131,17 +135,20 @@ class Browser:
         return found
 
     def picture(self, path: Path, whole: bool = False) -> None:
-        """Write a screenshot of the window, or of the `whole` page."""
+        """Write a screenshot of the window, or of the whole page if `whole` is True."""
         shot = self.call("Page.captureScreenshot", captureBeyondViewport=whole)
         path.write_bytes(base64.b64decode(shot["data"]))
 
     def media(self, kind: str = "", scheme: str = "light") -> None:
-        """Show the page on the medium `kind` ("screen", "print") and in a light or dark `scheme`."""
+        """Show the page on a medium of the given `kind` ("screen", "print"), in the light or dark colour `scheme`."""
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         self.call("Emulation.setEmulatedMedia", media=kind, features=features)
 
     def device(self, width: int, height: int, density: float = 1.0) -> None:
-        """Show the page on a device of that size [CSS pixels]; a narrow one is a telephone with a touch screen."""
+        """Show the page on a device with the given width and height [CSS pixels].
+
+        A device of small width is a telephone with a touch screen.
+        """
         narrow = width < 600
         size = {"width": width, "height": height, "deviceScaleFactor": density}
         self.call("Emulation.setDeviceMetricsOverride", **size, mobile=narrow)
@@ -165,12 +172,12 @@ class Browser:
         }[key]
         event: dict[str, Any] = {"key": key, "windowsVirtualKeyCode": code, "modifiers": 8 if shift else 0}
         if key == "Enter":
-            event["text"] = "\r"  # without which it presses no button
+            event["text"] = "\r"  # Without this text, the key does not activate a button.
         self.call("Input.dispatchKeyEvent", type="keyDown", **event)
         self.call("Input.dispatchKeyEvent", type="keyUp", **event)
 
     def swipe(self, start: tuple[float, float], end: tuple[float, float]) -> None:
-        """Move a finger over the screen, in CSS pixels."""
+        """Move a finger over the screen from `start` to `end` [CSS pixels]."""
         points = [(start[0] + k * (end[0] - start[0]) / 8, start[1] + k * (end[1] - start[1]) / 8) for k in range(9)]
         for k, (x, y) in enumerate(points):
             self.call(
@@ -179,7 +186,10 @@ class Browser:
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def visit(self, path: Path, fragment: str) -> None:
-        """Open a page at `fragment`, which is empty or begins with #; the script's Page is then `page`."""
+        """Open a page at `fragment`, which is empty or begins with #.
+
+        The JavaScript variable `page` then contains the Page of the script.
+        """
         self.open(path)
         self.run(f"history.replaceState(null, '', '{fragment}')")
         self.call("Page.reload")
@@ -187,11 +197,11 @@ class Browser:
         self.run("started.then((found) => { window.page = found; return 0; })")
 
     def mouse(self, kind: str, x: float, y: float) -> None:
-        """Press, move or release the left mouse button: `kind` is "Pressed", "Moved" or "Released"."""
+        """Press, move or release the left mouse button. The `kind` is "Pressed", "Moved" or "Released"."""
         held = 0 if kind == "Released" else 1
         self.call("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button="left", buttons=held, clickCount=1)
 
     def finger(self, kind: str, x: float = 0.0, y: float = 0.0) -> None:
-        """Put a finger down, move it or lift it: `kind` is "Start", "Move" or "End"."""
+        """Put a finger on the screen, move it or lift it. The `kind` is "Start", "Move" or "End"."""
         points = [] if kind == "End" else [{"x": x, "y": y}]
         self.call("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=points)

@@ -1,4 +1,4 @@
-"""Largest errors of `physics/numerics/elementary.py`, in units of the last place, over random arguments.
+"""Largest errors of `physics/numerics/elementary.py` for random arguments, in units of the last place.
 
     python -m tools.elementary_errors [COUNT]      1e8 of each kind by default; a minute for every 1e7
 
@@ -26,17 +26,17 @@ Draw = Callable[[np.random.Generator, int], Array]
 
 
 def within(low: float, high: float) -> Draw:
-    """Return a generator of numbers between two limits."""
+    """Return a generator of random numbers between two limits."""
     return lambda draw, count: draw.uniform(low, high, count)
 
 
 def powers_of_ten(low: float, high: float) -> Draw:
-    """Return a generator of numbers of all magnitudes between two powers of ten."""
+    """Return a generator of random numbers of all magnitudes between two powers of ten."""
     return lambda draw, count: 10.0 ** draw.uniform(low, high, count)
 
 
 def small(low: float, high: float) -> Draw:
-    """Return a generator of numbers of either sign with magnitudes between two powers of ten."""
+    """Return a generator of positive and negative random numbers with magnitudes between two powers of ten."""
     return lambda draw, count: draw.choice((-1.0, 1.0), count) * 10.0 ** draw.uniform(low, high, count)
 
 
@@ -60,7 +60,7 @@ POWERS: dict[str, tuple[Draw, Draw]] = {
 
 @jit
 def values(function, x, found):
-    """Evaluate one of the functions at each x."""
+    """Evaluate a function at each argument x."""
     for i in range(x.size):
         if function == EXP:
             found[i] = elementary.exp(x[i])
@@ -74,20 +74,20 @@ def values(function, x, found):
 
 @jit
 def powers(base, exponent, found):
-    """Evaluate ``base**exponent`` for each pair."""
+    """Evaluate ``base**exponent`` for each pair of arguments."""
     for i in range(base.size):
         found[i] = elementary.power(base[i], exponent[i])
 
 
 def worst(found: Array, truth: Array) -> float:
-    """Return the largest error in units of the last place, over results in the range of normal floats."""
+    """Return the largest error in units of the last place. Results outside the range of normal floats are ignored."""
     usual = (np.abs(truth) > elementary.LEAST) & (np.abs(truth) < elementary.MOST)
     found, truth = found[usual], truth[usual]
     return float((np.abs(found - truth) / np.spacing(np.abs(truth).astype(np.float64))).max())
 
 
 def errors(count: int) -> Iterator[tuple[str, float]]:
-    """Yield each kind of arguments, and the largest error of `count` of them."""
+    """Yield each kind of arguments with the largest error for `count` random arguments."""
     draw = np.random.default_rng(1)
     chunks = [min(CHUNK, count - done) for done in range(0, count, CHUNK)]
     for kind, (function, arguments) in FUNCTIONS.items():
@@ -108,7 +108,7 @@ def errors(count: int) -> Iterator[tuple[str, float]]:
 
 
 def main() -> int:
-    """Run the command."""
+    """Print the largest errors of all functions."""
     if np.finfo(Long).nmant < 63:
         print("the floats of this machine have too few bits to say what is right")
         return 2

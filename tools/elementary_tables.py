@@ -22,15 +22,21 @@ from textwrap import wrap
 getcontext().prec = 50
 
 FILE = Path(__file__).parents[1] / "physics" / "numerics" / "elementary_tables.py"
-PARTS, PART_BITS = 128, 45  # parts of an octave; bits of a float below the bits that select its part
-OFFSET = 0x3FE6900000000000  # bits of the smallest z; 1 is in the middle of its part, whose v is 1
-INVERSE_BITS = 10  # bits of v after the binary point; z v - 1 is exact for z with at most 43 bits
-# bits of logarithms after the binary point; with k ln 2 they have 27 bits, whose product with 26 others is exact
+# Number of parts of an octave, and number of bits of a float below the bits that select its part.
+PARTS, PART_BITS = 128, 45
+# Binary representation of the smallest z. The number 1 is in the middle of its part, and the v of this part is 1.
+OFFSET = 0x3FE6900000000000
+# Number of bits of v after the binary point. The product z v - 1 is exact for z with at most 43 bits.
+INVERSE_BITS = 10
+# Number of bits of logarithms after the binary point. Together with k ln 2 they have 27 bits. The product with 26 other
+# bits is exact.
 HEAD_BITS = 17
-EXP_HEAD_BITS = 41  # bits of ln(2)/128 after the binary point; its product with n is exact
-P_COUNT, Q_COUNT = 6, 4  # numbers of coefficients, the smallest with errors far below a unit of the last place
-WIDEST_LOG, WIDEST_EXP = Decimal("0.0055"), Decimal(2).ln() / 256  # largest |r|
-WIDTH = 116  # characters in a row of a table
+EXP_HEAD_BITS = 41  # Number of bits of ln(2)/128 after the binary point. Its product with n is exact.
+# Numbers of coefficients. They are the smallest numbers with errors far below a unit of the last place.
+P_COUNT, Q_COUNT = 6, 4
+# Largest |r| for the logarithm and for the exponential function.
+WIDEST_LOG, WIDEST_EXP = Decimal("0.0055"), Decimal(2).ln() / 256
+WIDTH = 116  # Number of characters in a row of a table.
 
 HEAD = '''"""Tables and coefficients of `elementary.py`, written by ``python -m tools.elementary_tables``."""
 
@@ -43,18 +49,18 @@ from softcradle.physics.numerics.float_bits import table
 
 
 def float_at(bits: int) -> Decimal:
-    """Return the float with these 64 bits."""
+    """Return the float whose binary representation is `bits` (64 bits)."""
     return Decimal(struct.unpack("<d", struct.pack("<q", bits))[0])
 
 
 def head_and_tail(number: Decimal, bits: int) -> tuple[float, float]:
-    """Return `number` rounded to `bits` after the binary point, and the remainder."""
+    """Return `number` rounded to `bits` bits after the binary point, and the remainder."""
     head = round(number * 2**bits) / Decimal(2**bits)
     return float(head), float(number - head)
 
 
 def logarithms() -> list[tuple[float, float, float]]:
-    """Return v and the two parts of -ln v, for each part of an octave."""
+    """Return v and the two parts of -ln v for each part of an octave."""
     found = []
     for part in range(PARTS):
         low, high = (float_at(OFFSET + (k << PART_BITS)) for k in (part, part + 1))
@@ -67,7 +73,7 @@ def logarithms() -> list[tuple[float, float, float]]:
 
 
 def exponentials() -> list[tuple[float, float]]:
-    """Return 2**(j/128) as a float, and its relative rounding error."""
+    """Return 2**(j/128) as a float, and the relative error of its rounding."""
     found = []
     for j in range(PARTS):
         exact = Decimal(2) ** (Decimal(j) / PARTS)
@@ -76,12 +82,12 @@ def exponentials() -> list[tuple[float, float]]:
 
 
 def of_logarithm(r: Decimal) -> Decimal:
-    """Return P(r)."""
+    """Return P(r), the function in the formula for ln(1 + r)."""
     return sum(((-r) ** k / (k + 2) for k in range(16)), Decimal(0))
 
 
 def of_exponential(r: Decimal) -> Decimal:
-    """Return Q(r)."""
+    """Return Q(r), the function in the formula for e**r."""
     return sum((r**k / math.factorial(k + 2) for k in range(16)), Decimal(0))
 
 
@@ -91,7 +97,7 @@ def interpolated(function: Callable[[Decimal], Decimal], count: int, widest: Dec
     """
     nodes = [widest * Decimal(round(math.cos(math.pi * (k + 0.5) / count), 12)) for k in range(count)]
     values = [function(node) for node in nodes]
-    for order in range(1, count):  # divided differences
+    for order in range(1, count):  # Compute the divided differences of the interpolation.
         for k in range(count - 1, order - 1, -1):
             values[k] = (values[k] - values[k - 1]) / (nodes[k] - nodes[k - order])
     found = [Decimal(0)] * count
@@ -102,7 +108,7 @@ def interpolated(function: Callable[[Decimal], Decimal], count: int, widest: Dec
 
 
 def text() -> str:
-    """Return the source of the module of tables."""
+    """Return the source text of the module that contains the tables."""
     ln2 = Decimal(2).ln()
     numbers = {
         "OFFSET": hex(OFFSET),

@@ -1,4 +1,4 @@
-"""Pictures of a page on a desktop and on a telephone for the documentation: python -m tools.page_pictures FOLDER."""
+"""Pictures of a page on a desktop and on a telephone, for the documentation: python -m tools.page_pictures FOLDER."""
 
 import os
 import sys
@@ -11,15 +11,16 @@ from softcradle.sandbox.scene_runs import load_scene
 
 from tools.browser import Browser
 
-# Name, width, height, colour scheme, and script that brings the page into the state to show.
+# Each entry contains a name, a width, a height, a colour scheme, and a script. The script brings the page into the
+# state that the picture shows.
 PICTURES = (
-    ("desk", 1280, 800, "light", "page.go(1.9)"),  # s, the moment of the largest force of one on four
+    ("desk", 1280, 800, "light", "page.go(1.9)"),  # Time [s] of the largest force in the scene one-on-four.
     ("telephone", 390, 844, "dark", "page.go(page.source.last), page.reveal()"),
 )
 
 
 def main(folder: Path) -> None:
-    """Write the pictures into a folder."""
+    """Write the pictures into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as made:
         page = Path(made) / "page.html"

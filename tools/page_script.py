@@ -1,8 +1,8 @@
-"""Minified script of pages: python -m tools.page_script writes assets/page.min.js from assets/page/*.js.
+"""Minified script of pages. Run python -m tools.page_script to write assets/page.min.js from assets/page/*.js.
 
-Terser (an npm package in package.json) shortens local names, so that a page stays small. Names that the scripts share
-keep their spelling. The first line of the file contains the digest of the sources; a page uses the file only if it is
-up to date, see `softcradle.sandbox.page.document`.
+Terser (an npm package in package.json) shortens local names, which keeps a page small. Names that the scripts share are
+not changed. The first line of the file contains the digest of the sources. A page uses the file only if the digest is
+up to date; see `softcradle.sandbox.page.document`.
 """
 
 import subprocess
@@ -26,7 +26,7 @@ TERSER = (
 
 
 def main() -> None:
-    """Write the file."""
+    """Write the minified script."""
     sources = page_sources()
     done = subprocess.run(TERSER, input=sources, capture_output=True, text=True, check=True)
     FILE.write_text(digest_line(sources) + done.stdout.strip() + "\n", encoding="utf-8")

@@ -23,12 +23,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-LIMITS = Path(__file__).with_name("plain_language.json")  # number of sentences with a match in each folder
+# This file contains the allowed number of matching sentences for each folder.
+LIMITS = Path(__file__).with_name("plain_language.json")
 
-# Longest subject of a commit: hosting sites and `git log --oneline` cut it there.
+# Longest subject of a commit. Hosting sites and `git log --oneline` cut longer subjects.
 LONGEST_SUBJECT = 72
 
-# Fewest words of a text that counts as a sentence; shorter ones are labels.
+# Smallest number of words of a sentence. A text with fewer words counts as a label.
 FEWEST_WORDS = 5
 
 RULES = {
@@ -138,21 +139,21 @@ def broken(names: Iterable[str]) -> Iterator[tuple[str, int, str, list[str]]]:
         path = ROOT / name
         read = READERS.get(path.suffix)
         if read is None or not path.is_file() or (path.suffix == ".po" and "/de/" not in name):
-            continue  # English is the same in every catalogue
+            continue  # The English messages are the same in every catalogue, so one catalogue is sufficient.
         for line, sentence in read(path.read_text(encoding="utf-8")):
             if found := matches(sentence):
                 yield name, line, sentence, found
 
 
 def folder(name: str) -> str:
-    """Return the name under which the limit of a file is kept."""
+    """Return the name of the folder whose limit applies to a file."""
     if name.endswith(".po"):
         return "messages"
     return name.split("/", maxsplit=1)[0] if "/" in name else "top level"
 
 
 def git(*words: str) -> list[str]:
-    """Return the lines that git prints."""
+    """Return the output lines of a git command."""
     done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
     return done.stdout.splitlines()
 
@@ -172,7 +173,7 @@ def subject_faults(subjects: Iterable[str]) -> list[str]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command; return its exit code."""
+    """Run the command and return its exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*")
     parser.add_argument("--show", action="store_true", help="print the sentences")

@@ -1,8 +1,9 @@
-"""Compare seven motions frame by frame, bitwise, in plain Python, in machine code, on other processors and in browsers.
+"""Compare seven motions frame by frame and bitwise, computed in several environments.
 
     python -m tools.same_digits [--frames 1000] [--tiers "plain Python" Node ...]
 
-Each tier runs in a separate process. The exit code is 1 if any bit of any frame differs.
+The environments, called tiers, are plain Python, machine code, other processors and browsers. Each tier runs in a
+separate process. The exit code is 1 if any bit of any frame differs.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ from softcradle.physics.scales import default_step
 from softcradle import scenes
 from tools.wasm_runner import RUNNERS, WasmKernels, installed
 
-FRAME = 1.0 / 60.0  # [s] frame of the viewer
-SLOW = 2.0  # slow motion of motions that are not scenes
+FRAME = 1.0 / 60.0  # Duration of a frame of the viewer [s].
+SLOW = 2.0  # Slow-motion factor of motions that are not scenes.
 WITHOUT_FMA = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4", "NPY_DISABLE_CPU_FEATURES": "AVX512F AVX512_SKX"}
 TIERS: dict[str, dict[str, str]] = {
     "machine code": {"SOFTCRADLE_COMPILE": "first"},
@@ -37,11 +38,12 @@ TIERS: dict[str, dict[str, str]] = {
 
 TIERS_HERE = [tier for tier in TIERS if tier not in RUNNERS or installed(tier)]
 
-Motion = tuple[Chain, list[float], list[float] | None, float]  # chain, initial velocities, forces, slow motion
+# A motion consists of a chain, initial velocities, forces and a slow-motion factor.
+Motion = tuple[Chain, list[float], list[float] | None, float]
 
 
 def motions() -> dict[str, Motion]:
-    """Return four scenes, friction, loss, and forces on the ends of a row."""
+    """Return the motions: four scenes, friction, loss, and forces on the ends of a chain."""
     soft, strike = power_law(1.0, 0.1), [1.0, 0.0, 0.0, 0.0, 0.0]
     found: dict[str, Motion] = {
         "1/14": (Chain([1.0] * 6, power_law(1.0, 1.0 / 14.0)), [*strike, 0.0], None, SLOW),
@@ -57,7 +59,10 @@ def motions() -> dict[str, Motion]:
 
 
 def frames(motion: Motion, count: int, move: Any) -> NDArray[np.float64]:
-    """Return time, overlaps, rates, anchor, forces and absorbed energies after each frame that `move` computes."""
+    """Return time, overlaps, rates, anchor, forces and absorbed energies after each frame.
+
+    The function `move` computes a frame.
+    """
     chain, velocity, push, slow = motion
     state, step, rows = State.at_start(chain, velocity), default_step(chain, velocity), []
     state.push = None if push is None else np.array(push)
@@ -70,12 +75,12 @@ def frames(motion: Motion, count: int, move: Any) -> NDArray[np.float64]:
 
 
 def by_engine(chain: Chain, state: State, duration: float, step: float) -> None:
-    """Compute a frame with the kernels of this process."""
+    """Compute one frame with the kernels of this process."""
     advance(chain, state, duration, "conserving", step=step)
 
 
 def write_frames(tier: str, count: int, out: Path) -> None:
-    """Write the frames of all motions computed by this process, which belongs to `tier`."""
+    """Compute the frames of all motions in this process, and write them to a file. The process belongs to `tier`."""
     if tier in RUNNERS:
         with RUNNERS[tier]() as run:
             found = {name: frames(motion, count, WasmKernels(run).advance) for name, motion in motions().items()}
@@ -85,7 +90,7 @@ def write_frames(tier: str, count: int, out: Path) -> None:
 
 
 def compare(tiers: list[str], count: int) -> bool:
-    """Print which frames differ from those of the first tier; return True if none does."""
+    """Print which frames differ from the frames of the first tier. Return True if no frame differs."""
     found: dict[str, Any] = {}
     same = True
     with tempfile.TemporaryDirectory() as folder:
@@ -117,7 +122,7 @@ def compare(tiers: list[str], count: int) -> bool:
 
 
 def main() -> int:
-    """Run the command."""
+    """Run the command and return its exit code."""
     parser = argparse.ArgumentParser(prog="python -m tools.same_digits", description=__doc__)
     parser.add_argument("--frames", type=int, default=1000)
     parser.add_argument("--tiers", nargs="+", choices=list(TIERS), default=TIERS_HERE)

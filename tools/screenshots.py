@@ -1,4 +1,4 @@
-"""Screenshots for the documentation, from the real application: python -m tools.screenshots FOLDER."""
+"""Screenshots of the real application for the documentation: python -m tools.screenshots FOLDER."""
 
 from __future__ import annotations
 
@@ -26,15 +26,18 @@ from softcradle.sandbox.window.scene.page import ScenePage
 
 from softcradle import scenes
 
-FRAME = 1.0 / 60.0  # seconds
-LONGEST_WAIT = 120.0  # seconds to wait for kernels
-STRONGEST = 1.883  # s, the largest force of one-on-four
-PRESSED = 0.055  # s, when all contacts of beads-against-gear are closed
+FRAME = 1.0 / 60.0  # Duration of a frame [s].
+LONGEST_WAIT = 120.0  # Longest time to wait for kernels [s].
+STRONGEST = 1.883  # Time of the largest force in the scene one-on-four [s].
+PRESSED = 0.055  # Time at which all contacts of the scene beads-against-gear are closed [s].
 
 
 @contextmanager
 def usual_settings() -> Iterator[None]:
-    """Use English, and theme, recent files and cache as at the first start; keep the user's own settings unchanged."""
+    """Use English, and the settings of the first start. The user's own settings stay unchanged.
+
+    The settings are theme, recent files and cache.
+    """
     names = "SOFTCRADLE_CONFIG", "SOFTCRADLE_CACHE"
     before = {name: os.environ.get(name) for name in (*names, "LANGUAGE")}
     with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
@@ -50,21 +53,21 @@ def usual_settings() -> Iterator[None]:
 
 
 def run_frames(app: App, count: int) -> None:
-    """Run `count` frames."""
+    """Run the application for `count` frames."""
     for _ in range(count):
         app.frame(FRAME)
 
 
 def save(app: App, folder: Path, name: str) -> None:
-    """Write a picture of the window."""
+    """Write a picture of the window to `folder`."""
     path = folder / f"{name}.png"
     pygame.image.save(app.surface, str(path))
     print(f"written: {path}")
 
 
 def save_all(folder: Path) -> None:
-    """Write a picture of each screen."""
-    # a constant clock: no frame runs out of time, so the pictures are the same everywhere
+    """Write a picture of each screen of the application to `folder`."""
+    # With a constant clock, no frame runs out of time. The pictures are therefore the same on every machine.
     app = App(clock=lambda: 0.0, lab=True)
     app.warmup.complete.wait(LONGEST_WAIT)
     page = app.page
@@ -114,7 +117,7 @@ def save_all(folder: Path) -> None:
 
 
 def _save_help(app: App, folder: Path) -> None:
-    """Write a picture of the keys."""
+    """Write a picture of the list of keys."""
     app.toggle_help()
     run_frames(app, 1)
     save(app, folder, "help")
@@ -136,11 +139,11 @@ def _save_languages(app: App, folder: Path) -> None:
         if language() != ENGLISH:
             _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
             save(app, folder, f"scene-{language()}")
-    app.messages.visible.clear()  # removes the name of the language, which would cover the next picture
+    app.messages.visible.clear()  # This removes the name of the language, which would cover the next picture.
 
 
 def _save_sweep(app: App, folder: Path) -> None:
-    """Write a picture of nine values of the exponent of a contact."""
+    """Write a picture of a scene with nine values of the exponent of a contact."""
     _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 0))
     page = app.page
     assert isinstance(page, ScenePage)
@@ -155,24 +158,24 @@ def _save_sweep(app: App, folder: Path) -> None:
 
 
 def _play(app: App, name: str, end: float, selection: Pick | None) -> None:
-    """Play a scene until the time `end` [s], then select and pause."""
+    """Play a scene until the time `end` [s]. Then select an object and pause."""
     app.open(name)
     page = app.page
     assert isinstance(page, ScenePage)
     app.act("play_pause")
-    while page.session.time < end:  # late frames advance by less
+    while page.session.time < end:  # A loop is needed because late frames advance the time by less.
         run_frames(app, 1)
     page.editor.selection = selection
     app.act("play_pause")
     run_frames(app, 30)
     end = perf_counter() + LONGEST_WAIT
     while any(state.velocity_error is None for state in page.cards.health) and perf_counter() < end:
-        run_frames(app, 1)  # until the accurate run in the background thread has come this far
+        run_frames(app, 1)  # Run frames until the accurate simulation in the background thread has reached this time.
         pygame.time.wait(5)
 
 
 def save_thumbnails() -> None:
-    """Draw the thumbnails of the catalogue that are shipped with softcradle."""
+    """Draw the thumbnails of the catalogue of scenes that softcradle contains."""
     for theme, name in product(THEMES, scenes.names()):
         use_theme(theme)
         (thumbnails.PICTURES / theme).mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,9 @@
 """Update the message catalogues from the code, scenes and lessons: python -m tools.update_catalogues.
 
-Needs Babel (`pip install softcradle[dev]`). Existing translations are kept. New messages are added empty and are shown
-in English until somebody translates them. Removed messages are dropped. A missing catalogue is created for each code in
-LANGUAGES. With --complete, as before a release, a missing translation is an error.
+The tool requires Babel (`pip install softcradle[dev]`). Existing translations are kept. New messages are added without
+a translation, and are shown in English until somebody translates them. Removed messages are dropped. A missing
+catalogue is created for each code in LANGUAGES. With --complete, a missing translation is an error. This option is used
+before a release.
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ from softcradle.sandbox.languages.translation import DOMAIN, ENGLISH, LANGUAGES,
 if TYPE_CHECKING:
     from babel.messages import Catalog, Message
 
-# Functions whose arguments are messages, as Babel describes them. A message of an error follows its code.
+# Functions whose arguments are messages, in the format of Babel. The message of an error is the argument after its
+# code.
 KEYWORDS = {"_": None, "gettext": None, "N_": None, "ngettext": (1, 2), "pgettext": ((1, "c"), 2), "NP_": ((1, "c"), 2)}
 KEYWORDS |= {"Message": (2,), "InputError": (2,)}
-WIDTH = 120  # length of the lines of a catalogue
-# Header lines that would change with each update, or that name nobody.
+WIDTH = 120  # Maximum length of a line in a catalogue.
+# Header lines that are left out, because they change with each update or contain no name.
 DATED = (
     b'"POT-Creation-Date',
     b'"PO-Revision-Date',
@@ -33,12 +35,14 @@ DATED = (
     b'"Generated-By',
 )
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("sandbox", "scenes", "physics")  # folders with messages; in this order, so that their entries stay together
-Found = tuple[str | tuple[str, str], str, str | None]  # message (and its plural), file, context
+# Folders that contain messages. This order keeps the entries of a folder together.
+FOLDERS = ("sandbox", "scenes", "physics")
+# A found message consists of the message (and its plural), the file and the context.
+Found = tuple[str | tuple[str, str], str, str | None]
 
 
 def messages() -> Iterator[Found]:
-    """Yield every message: of the code, of the scenes, of the lessons, and the summaries of methods."""
+    """Yield every message of the code, the scenes and the lessons, and the summaries of methods."""
     yield from _of_code()
     yield from _of_scenes()
     lessons = ROOT / "sandbox" / "window" / "lessons" / "lessons.toml"
@@ -74,7 +78,7 @@ def _name(path: Path) -> str:
 
 
 def template() -> Catalog:
-    """Return all messages, untranslated."""
+    """Return a catalogue of all messages without translations."""
     from babel.messages import Catalog
 
     found = Catalog(domain=DOMAIN, project=DOMAIN, charset="utf-8", fuzzy=False)
@@ -84,7 +88,7 @@ def template() -> Catalog:
 
 
 def read_catalogue(code: str) -> Catalog:
-    """Return the catalogue of a language as Babel reads it; empty if the file does not exist."""
+    """Return the catalogue of a language as Babel reads it. It is empty if the file does not exist."""
     from babel.messages import Catalog
     from babel.messages.pofile import read_po
 
@@ -96,7 +100,10 @@ def read_catalogue(code: str) -> Catalog:
 
 
 def written(catalogue: Catalog) -> bytes:
-    """Return the text of a catalogue: file names without line numbers, so that it changes only if messages do."""
+    """Return the text of a catalogue.
+
+    It contains file names without line numbers. The text therefore changes only if messages change.
+    """
     from babel.messages.pofile import write_po
 
     text = io.BytesIO()
@@ -107,7 +114,7 @@ def written(catalogue: Catalog) -> bytes:
 
 
 def update(code: str) -> int:
-    """Update the catalogue of a language; return the number of missing translations."""
+    """Update the catalogue of a language. Return the number of missing translations."""
     catalogue = read_catalogue(code)
     found = template()
     catalogue.update(found, no_fuzzy_matching=True)
@@ -124,7 +131,9 @@ def is_translated(message: Message) -> bool:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Update all catalogues and print the number of missing translations; with --complete, fail if any is missing."""
+    """Update all catalogues, and print the number of missing translations. With --complete, fail if a translation is
+    missing.
+    """
     waiting = {code: update(code) for code in LANGUAGES if code != ENGLISH}
     for code, count in waiting.items():
         print(f"{catalogue_path(code)}: {count} messages wait for {LANGUAGES[code].name}")

@@ -1,12 +1,13 @@
-"""Kernels of the web pages: `march` with the method conserving as WebAssembly, from the numba sources of the engine.
+"""Kernels of the web pages as WebAssembly, compiled from the numba sources of the engine.
 
     python -m tools.wasm_kernels [FILE]         writes assets/page/kernels.wasm; needs numba and a linker: pip install
         '.[wasm]'
 
-The exports `march` (no friction, no loss) and `march_lossy` take addresses in the memory of the module, and numbers of
-32 bits or floats, so that no caller needs BigInt. KERNELS lists them, and `tools/wasm_runner.py` calls them. They use
-WebAssembly of 2017, which every browser supports, import nothing, and give bitwise the same results as the native
-kernels, because all operations are IEEE 754 operations.
+The kernels are `march` with the method conserving. The exports are `march` (no friction, no loss) and `march_lossy`.
+Their arguments are addresses in the memory of the module, and numbers of 32 bits or floats, so a caller does not need
+BigInt. KERNELS lists the exports, and `tools/wasm_runner.py` calls them. They use WebAssembly of 2017, which every
+browser supports, and import no functions. Their results are bitwise the same as those of the native kernels, because
+all operations are IEEE 754 operations.
 """
 
 from __future__ import annotations
@@ -21,21 +22,22 @@ from typing import Any
 
 FILE = Path(__file__).parents[1] / "assets" / "page" / "kernels.wasm"
 TRIPLE, PROCESSOR = "wasm32-unknown-unknown", "mvp"
-STACK, MEMORY = 2**16, 3 * 2**16  # bytes; pages enlarge the memory for long rows
+# Sizes of the stack and of the memory in bytes. A page enlarges the memory for long chains.
+STACK, MEMORY = 2**16, 3 * 2**16
 LINKER = (sys.executable, "-m", "ziglang", "wasm-ld")
-# IR of numba that does not depend on this machine, in a separate process and folder, because such kernels must not be
-# used elsewhere.
+# Environment in which numba creates code that does not depend on this machine. A separate process and folder are used,
+# because such kernels must not be used elsewhere.
 FOR_ANY_MACHINE = {
     "NUMBA_OPT": "0",
     "NUMBA_CPU_NAME": "generic",
     "NUMBA_CPU_FEATURES": "",
     "NUMBA_LOOP_VECTORIZE": "0",
     "NUMBA_SLP_VECTORIZE": "0",
-    "PYTHONWARNINGS": "ignore",  # numba warns that these kernels cannot be cached
+    "PYTHONWARNINGS": "ignore",  # Suppress the warning of numba that these kernels cannot be cached.
 }
 
-# Numbers, then addresses, then the parts for dissipation. Arguments that no frame of a page needs are left out or
-# empty.
+# Names of the arguments: first numbers, then addresses, then the parts for dissipation. Arguments that a page never
+# needs are left out or empty.
 NUMBERS = "n, anchor_bead, pushed, rows, most_steps, h, start, end, swing"
 ARRAYS = (
     "law, inverse_mass, push, overlap, rate, anchor, force, absorbed, log_contact, log_time, closed, counter, plan, beads, "
@@ -91,8 +93,9 @@ end:
 
 
 def view_intrinsic() -> Any:
-    """Return ``view(pointer, shape)``: the numbers at an address as a C-ordered array without an owner (numba.carray
-    counts references).
+    """Return the function ``view(pointer, shape)``, which returns the numbers at an address as a C-ordered array.
+
+    The array does not own its memory. numba.carray is not used because it counts references.
     """
     from numba import types
     from numba.core import cgutils
@@ -147,9 +150,10 @@ def kernel(name: str) -> tuple[Any, Any]:
 
 
 def leave_out() -> None:
-    """Exclude tables of segments, forces over time, explicit steps, pauses and checkpoints, which a page does not use.
+    """Exclude code that a page does not use.
 
-    They would be three tenths of the file.
+    Excluded are tables of segments, forces over time, explicit steps, pauses and checkpoints. They would be three
+    tenths of the file.
     """
     from softcradle.physics.fixed_step import explicit_steps, step_loop
     from softcradle.physics.numerics import graph_kernels, knots, table_kernels
@@ -169,11 +173,15 @@ def leave_out() -> None:
 
 
 def portable_code(name: str) -> tuple[str, str]:
-    """Return the LLVM code of a kernel with everything that it calls, not optimised, and the name of its symbol."""
+    """Return the LLVM code of a kernel and the name of its symbol.
+
+    The code is not optimised, and includes all functions that the kernel calls.
+    """
     import numba
     from numba.core.codegen import CPUCodeLibrary
 
-    # numba would inline every function, and the file would be three times as large.
+    # Optimisation is switched off here. Otherwise numba would inline every function, and the file would be three times
+    # as large.
     CPUCodeLibrary._optimize_functions = CPUCodeLibrary._optimize_final_module = lambda *_: None
     function, signature = kernel(name)
     leave_out()
@@ -213,14 +221,14 @@ def compiled(module: Any, exports: set[str], machine: Any) -> bytes:
 
 
 def build(out: Path) -> None:
-    """Write the module with all kernels to `out`."""
+    """Write the WebAssembly module with all kernels to `out`."""
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PROCESSOR, opt=2, features="", reloc="static")
     module = llvm.parse_assembly("")
-    for name in KERNELS:  # shared code is included once
+    for name in KERNELS:  # Code that several kernels share is included only once.
         code, symbol = portable_code(name)
         module.link_in(wasm_module(code, {symbol: name}, machine))
     with tempfile.TemporaryDirectory() as folder:
@@ -235,7 +243,7 @@ def build(out: Path) -> None:
 
 
 def main() -> None:
-    """Build in a process whose kernels are not specific to a machine."""
+    """Build the module in a process whose kernels are not specific to this machine."""
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
     if not FOR_ANY_MACHINE.items() <= os.environ.items():
         with tempfile.TemporaryDirectory() as folder:

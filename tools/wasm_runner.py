@@ -1,5 +1,6 @@
-"""Frames of a chain computed with assets/page/kernels.wasm in Node or a browser, as a page does it, for tests and
-comparisons.
+"""Frames of a chain, computed with assets/page/kernels.wasm in Node or a browser, as a page computes them.
+
+They are used for tests and comparisons.
 """
 
 from __future__ import annotations
@@ -28,11 +29,11 @@ from softcradle.physics.state import rest_of
 from tools import browser
 from tools.wasm_kernels import ARRAYS, FILE, LOSSY
 
-MOST_STEPS = 100_000  # largest number of steps of one frame
-MOVED = ("overlap", "rate", "anchor", "force", "absorbed")  # fields of a State that a frame changes
+MOST_STEPS = 100_000  # Largest number of steps in one frame.
+MOVED = ("overlap", "rate", "anchor", "force", "absorbed")  # Fields of a State that change in a frame.
 
-# `start` makes an instance of the module and returns where its memory is free. `call` copies an image of memory there,
-# calls a kernel and returns the resulting image.
+# The JavaScript function `start` creates an instance of the module and returns the first free address of its memory.
+# The function `call` copies an image of memory to this address, calls a kernel and returns the resulting image.
 SCRIPT = """
 let kernels, base;
 const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -56,12 +57,12 @@ import("node:readline").then(({ createInterface }) => createInterface({ input: p
 }));
 """
 
-Run = Callable[[str], Any]  # returns the value of a line of JavaScript
+Run = Callable[[str], Any]  # A function that returns the value of a line of JavaScript.
 
 
 @contextmanager
 def node() -> Iterator[Run]:
-    """Yield a function that runs lines of JavaScript in a Node process, which runs SCRIPT first."""
+    """Yield a function that runs lines of JavaScript in a Node process. The process has run SCRIPT before."""
     with subprocess.Popen(
         ["node", "-e", SCRIPT + NODE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:
@@ -81,7 +82,7 @@ def node() -> Iterator[Run]:
 
 @contextmanager
 def chromium() -> Iterator[Run]:
-    """Yield the same function for a page of Chromium."""
+    """Yield a function that runs lines of JavaScript in a page of Chromium. The page has run SCRIPT before."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile, browser.Browser(Path(profile)) as page:
         page.run(SCRIPT)
         yield page.run
@@ -89,7 +90,10 @@ def chromium() -> Iterator[Run]:
 
 @contextmanager
 def firefox() -> Iterator[Run]:
-    """Yield the same function for a page of Firefox, over its Marionette protocol."""
+    """Yield a function that runs lines of JavaScript in a page of Firefox, over its Marionette protocol.
+
+    The page has run SCRIPT before.
+    """
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         port = Path(profile, "MarionetteActivePort")
         Path(profile, "user.js").write_text('user_pref("marionette.port", 0);', encoding="utf-8")
@@ -122,7 +126,7 @@ def _marionette(connection: socket.socket) -> Run:
         assert error is None, error
         return result
 
-    answer()  # its greeting
+    answer()  # Read the greeting of Firefox.
     call("WebDriver:NewSession", {})
     call("WebDriver:SetTimeouts", {"script": int(1000 * browser.PATIENCE)})
     call("WebDriver:Navigate", {"url": "about:blank"})
@@ -139,7 +143,7 @@ RUNNERS = {"Node": node, "Chromium": chromium, "Firefox": firefox}
 
 
 def installed(runner: str) -> str | None:
-    """Return the path of a JavaScript runner; None if it is not installed."""
+    """Return the path of a JavaScript runner, or None if it is not installed."""
     if runner == "Chromium":
         return browser.found()
     return next(
@@ -148,14 +152,16 @@ def installed(runner: str) -> str | None:
 
 
 class WasmKernels:
-    """The module in a JavaScript runner `run`, which has run SCRIPT."""
+    """WebAssembly module in a JavaScript runner. The function `run` runs JavaScript in this runner, which has run
+    SCRIPT before.
+    """
 
     def __init__(self, run: Run, file: Path = FILE) -> None:
         self._run = run
         self.load(file)
 
     def load(self, file: Path) -> None:
-        """Load this file."""
+        """Load the WebAssembly module from `file`."""
         self._base = self._run(f"start('{base64.b64encode(file.read_bytes()).decode()}')")
 
     def advance(self, chain: Chain, state: State, duration: float, step: float) -> None:

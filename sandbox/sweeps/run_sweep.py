@@ -83,49 +83,46 @@ def sweep(
     progress: Progress | None = None,
     chunk_seconds: float = 1.0,
 ) -> xr.Dataset:
-    """Compute a scene or a function at many points, and return its measures as an xarray Dataset. Needs the extra
-    [sweep].
+    """Compute a scene or a function at many points, and return its measures as an xarray Dataset.
 
-    If a point is invalid, or if its run gives up, the variable `status` marks it and `reason` contains the cause. The
-    Dataset does not depend on the executor, the chunks and the interruptions of the sweep.
+    The function requires the optional dependencies [sweep]. If a point is invalid, or if its simulation gives up, the
+    variable `status` marks the point and `reason` contains the cause. The Dataset does not depend on the executor, the
+    chunks and the interruptions of the sweep.
 
     Parameters
     ----------
     what : Scene, str or callable
-        A Scene, its name or the path of its file; or a function of the parameters by name. The function returns a
-            mapping
-        of names to numbers, or a motion to be measured: a Trajectory, (chain, velocity) or (chain, velocity, keywords
-            of
-        `simulate`).
+        A Scene, its name or the path of its file, or a function of the parameters by name. The function returns a
+        mapping of names to numbers, or a motion to be measured. Such a motion is a Trajectory, (chain, velocity) or
+        (chain, velocity, keywords of `simulate`).
     over : Points, mapping or sequence of Axis
-        The points. ``{path: values}`` is a grid; the other designs are made by `grid`, `listed`, `sobol` and
-        `latin_hypercube` of `softcradle.sandbox.sweeps`. The path of a number of a scene is as in its file, such as
-        ``lanes.0.contact.alpha``; ``*`` stands for every item of a list.
+        The points. ``{path: values}`` is a grid. The functions `grid`, `listed`, `sobol` and `latin_hypercube` of
+        `softcradle.sandbox.sweeps` make other designs. The path of a number of a scene is as in its file, such as
+        ``lanes.0.contact.alpha``. The key ``*`` stands for every item of a list.
     measures : sequence of str or Measure, optional
         Names from the table of measures, or Measure objects. Leave it empty for a function that returns numbers.
     output : path, optional
-        A .zarr folder or a .nc file. While the sweep runs, a folder next to it keeps the computed points. An
-            interrupted
-        sweep continues from there, and a complete one is only opened. None keeps everything in memory.
+        A .zarr folder or a .nc file. While the sweep runs, a folder next to it stores the computed points. An
+        interrupted sweep continues from these points. A complete sweep is only opened. None keeps everything in memory.
     executor : str or Executor, optional
         "threads" or "processes" of this machine, "here" (this thread), or any `concurrent.futures` executor. "auto"
         computes the first points in this thread, and the others in processes if that saves time.
     scheduler : str or Client, optional
-        A Dask scheduler instead: its address, such as `tcp://127.0.0.1:8786`, or a Client. Needs the extra [dask].
+        A Dask scheduler instead of an executor: its address, such as `tcp://127.0.0.1:8786`, or a Client. It requires
+        the optional dependencies [dask].
     workers : int, optional
         Number of threads or processes. The default is one for each core of this machine, or the number of workers of
-            the
-        given executor.
+        the given executor.
     units : mapping, optional
         Units of the numbers that a function returns, by name.
     title : str, optional
         Title of the Dataset.
     version : str or int, optional
-        Version of the function. Change it if other functions or values that the function uses change, so that points of
-        the old version are not used again. A change of the text of the function itself is noticed.
+        Version of the function. Change it if other functions or values that the function uses change. Points of the
+        old version are then not used again. A change of the text of the function itself is noticed automatically.
     fresh : bool, optional
-        If True, start over, whatever `output` contains. The old output stays until the new one is complete. If such a
-        sweep is interrupted, the same call continues it, with or without `fresh`.
+        If True, start again and ignore the content of `output`. The old output stays until the new output is complete.
+        If such a sweep is interrupted, the same call continues it, with or without `fresh`.
     progress : callable, optional
         Called with ("points" or "writing", done, all).
     chunk_seconds : float, optional
@@ -212,21 +209,21 @@ def map_points(
     each: Callable[[int, dict[str, Any]], None] | None = None,
     chunk_seconds: float = 1.0,
 ) -> list[dict[str, Any]]:
-    """Return the results of `function` at all points in their order. Use processes if that saves time. This function
-    works without xarray.
+    """Return the results of `function` at all points in their order, as a list of rows.
 
-    Each row contains the numbers, lists as arrays padded with NaN to a common length, and the "reason" of an Outcome.
+    Processes are used if that saves time. xarray is not needed. Each row contains the numbers and the "reason" of an
+    Outcome. Lists become arrays that are padded with NaN to a common length.
 
     Arguments:
         function: returns a mapping of names to numbers, or an Outcome with such a mapping and a reason.
         points: the sample points.
-        kept: path whose name plus ``.partial`` is a folder that keeps finished points. An interrupted call continues
-            from there. The folder stays until `drop_kept`. Points of another study in it are deleted.
+        kept: path whose name plus ``.partial`` is a folder that stores finished points. An interrupted call continues
+            from these points. `drop_kept` deletes the folder. Points of another study in it are deleted.
         progress: called with ("points", done, all).
         workers: number of threads or processes.
         executor: as for `sweep`.
-        alike: True if all points cost about the same, so that the first ones predict the total; otherwise the most
-            expensive points must come first.
+        alike: True if all points take about the same time. The first points then predict the total time. If it is
+            False, the points that take longest must come first.
         each: called with the number and the row of each finished point.
         chunk_seconds: wanted computing time of one chunk [s].
 
