@@ -62,7 +62,7 @@ def started(*arguments: str) -> tuple[float, str]:
             [sys.executable, *arguments], env=environment, capture_output=True, text=True, check=True, cwd=Path.cwd()
         )
         seconds = perf_counter() - began
-        # End the background process. It would continue although nobody reads its result.
+        # End the background process. The process would continue although nobody reads its result.
         for lock in Path(folder).glob("kernels/*/*/*.compiling"):
             os.kill(int(lock.read_text().split()[0]), 15)
     return seconds, done.stdout

@@ -124,7 +124,7 @@ class Error:
 
 
 def errors(number: int, families: Sequence[str] = KEEPING) -> list[Error]:
-    """Return the errors of the method conserving in the random collision `number`. There is one error for each step
+    """Return the errors of the method conserving in the random collision `number`. The list has one error for each step
     size.
     """
     moving = motion(families[number % len(families)], number)

@@ -1,8 +1,8 @@
 """``python -m benchmarks fit [--cases N] [--seed N]``: coverage of the error bars of `softcradle fit`.
 
-The data are synthetic and noisy. They come from random scenes with all kinds of contact. In the ordinary cases, 93 to
-97 % of the fitted values must lie within two error bars of the truth. In the other cases, the data cannot determine one
-of the values by construction. The fit must report this value.
+The data are synthetic and noisy. The data come from random scenes with all kinds of contact. In the ordinary cases, 93
+to 97 % of the fitted values must lie within two error bars of the truth. In the other cases, the data cannot determine
+one of the values by construction. The fit must report this value.
 """
 
 from __future__ import annotations
@@ -60,7 +60,9 @@ class Case:
 
 @dataclass
 class Counts:
-    """Numbers of values that are fitted, within two error bars, and undetermined. It also contains the scaled errors."""
+    """Numbers of values that are fitted, within two error bars, and undetermined. The object also contains the scaled
+    errors.
+    """
 
     values: int = 0
     within: int = 0

@@ -1,6 +1,6 @@
 """``python -m benchmarks hits [--chains N] [--seed N]``: compare tables of hits of random chains with the reference.
 
-The reference integrates the equations of motion with SciPy and shares no kernel with the tested method. Its dense
+The reference integrates the equations of motion with SciPy and shares no kernel with the tested method. The dense
 solution gives the contact times and the speeds. A root search of the overlap rate gives the largest forces. The
 dissipated energies are the integrals of force times rate.
 """

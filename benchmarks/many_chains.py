@@ -16,8 +16,8 @@ from softcradle.physics.ensemble_runs import cores
 from benchmarks.reports import Report, at_least, at_most
 
 CHAINS = 2000  # Number of chains in a round of `ensemble_ends`.
-ALONE = 200  # Number of chains in a round of `ensemble`. They are a part of the chains of `ensemble_ends`.
-# Number of collisions of one bead with four at tolerance 1e-6. It is a tenth of the number in the goal.
+ALONE = 200  # Number of chains in a round of `ensemble`. These chains are a part of the chains of `ensemble_ends`.
+# Number of collisions of one bead with four at tolerance 1e-6. The goal is for ten times this number.
 COLLISIONS = 10_000
 TARGETS = 4
 TOLERANCE = 1e-6

@@ -65,8 +65,8 @@ ROOMS = {  # Source files of each part of the engine, and the arguments of pytes
         ),
     ),
 }
-# Changes that are left out because they mean nothing for a kernel in plain Python. They are the decorator that compiles
-# the kernel, and operators of whole numbers.
+# Changes that are left out because they mean nothing for a kernel in plain Python. Left out are the decorator that
+# compiles the kernel, and operators of whole numbers.
 LEFT_OUT = (
     r"core/(RemoveDecorator|ExceptionReplacer|.*_(BitOr|BitAnd|BitXor|LShift|RShift|FloorDiv|Mod|Pow|Invert|Is|IsNot))$"
 )
@@ -114,7 +114,7 @@ def row(room: str, folder: Path, count: int, seed: int) -> list[str]:
             _draw(work, count, seed)
         os.environ |= {"NUMBA_DISABLE_JIT": "1", "PYTEST_ADDOPTS": "", "PYTHONPATH": str(tree)}
         command = f"{sys.executable} {PYTEST} {' '.join(tests)}"
-        # This checks that the tests pass on the unchanged source.
+        # This test run checks that the tests pass on the unchanged source.
         subprocess.run(command, shell=True, check=True, stdout=subprocess.DEVNULL)
         execute(work, ConfigDict({"test-command": command, "timeout": PATIENCE, "distributor": {"name": "local"}}))
         results = [result.test_outcome for _, result in work.results if result.worker_outcome == WorkerOutcome.NORMAL]

@@ -38,7 +38,7 @@ WAYS = {
 def measure(name: str, size: tuple[int, int], rounds: int = 5) -> dict[str, Any]:
     """Return frames per second and processor milliseconds per frame for each way.
 
-    They are medians of `rounds` rounds, in which the ways alternate.
+    The results are medians of `rounds` rounds, in which the ways alternate.
     """
     scene = scenes.load(name)
     motions = scene_motions(scene, RATE * scene.view.slow)
@@ -72,7 +72,7 @@ def _round(
     def encoder() -> None:
         with open_film(folder / "ready.mp4", size, RATE) as film:
             for surface in ready:
-                film.free_surface()  # This waits like a drawing thread, although the frames themselves are ready.
+                film.free_surface()  # This call waits like a drawing thread, although the frames themselves are ready.
                 film.add(surface)
 
     def in_order() -> None:

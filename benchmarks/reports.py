@@ -11,7 +11,7 @@ from rich.table import Table
 
 @dataclass(frozen=True)
 class Report:
-    """Table with notes. It contains the same numbers as plain data.
+    """Table with notes. The object contains the same numbers as plain data.
 
     Attributes:
         title: description of the measured quantity.

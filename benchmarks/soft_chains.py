@@ -1,8 +1,8 @@
 """``python -m benchmarks soft-chains``: error of the velocities after a collision in a SoftChain.
 
 The SoftChain uses the number of steps that `substeps` recommends. Random chains of balls are compared with the method
-`accurate`. They are elastic or have loss, and have gaps and walls. Chains in which a contact closes more than once are
-left out, because successive collisions multiply errors.
+`accurate`. The chains are elastic or have loss, and have gaps and walls. Chains in which a contact closes more than
+once are left out, because successive collisions multiply errors.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import pymunk
 from softcradle.physics import Chain, Contact, SoftChain, draft_gear, hertz, hooke, power_law, simulate, step_force
 from softcradle.physics.pymunk_contacts.soft_chain import VISIBLE_ERROR
 
-# Touching distance [m]. It is so large that balls of these chains never pass through each other.
+# Touching distance [m]. The distance is so large that balls of these chains never pass through each other.
 REACH = 1000.0
 # Largest number of steps of a simulation. A chain that needs more is left out.
 MOST_STEPS = 20_000

@@ -1,8 +1,8 @@
 """``python -m benchmarks soft-contacts``: energy of SoftContacts at 60 frames per second.
 
 The table in docs/games.md shows the energy of five balls of 1 kg after three seconds. The first ball starts at 1 m/s. A
-scan searches for unreported growth of the energy. It generates random laws, masses, speeds, gaps, walls, frame rates
-and substeps from a seed. If no warning appears, the energy must stay within the limit of `substeps`.
+scan searches for unreported growth of the energy. The scan generates random laws, masses, speeds, gaps, walls, frame
+rates and substeps from a seed. If no warning appears, the energy must stay within the limit of `substeps`.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Row:
     step: float
     seconds: float
     wall_gap: float | None = None
-    reach: float = 100.0  # Touching distance [m]. It is so large that no ball passes through another.
+    reach: float = 100.0  # Touching distance [m]. The distance is so large that no ball passes through another.
 
     def run(self) -> tuple[float, float, bool]:
         """Simulate the chain.

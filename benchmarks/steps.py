@@ -17,7 +17,7 @@ from benchmarks.reports import Report, at_most
 ROUNDS = 9
 ALPHA = 0.1
 FRAME = 1.0 / 60.0  # Duration of a frame of the live simulation [s].
-COLLISION_TIME = 0.8  # Time after the first touch [s]. It is less than half the contact time of one bead on many.
+COLLISION_TIME = 0.8  # Time after the first touch [s]. The time is less than half the contact time of one bead on many.
 OVERLAP = 0.01  # Overlap of all equally loaded contacts [m].
 CONTACT_STEPS = 400_000  # Largest product of contacts and steps in a round.
 

@@ -23,7 +23,7 @@ from softcradle import scenes
 
 COUNT = 20_000  # Number of collisions in a round.
 TOLERANCE = 1e-6
-ALPHAS = (0.099, 0.101)  # Range of exponents. It is narrow, so all collisions take about the same time.
+ALPHAS = (0.099, 0.101)  # Range of exponents. The range is narrow, so all collisions take about the same time.
 MEASURES = ("final_velocity",)  # Measures that need only final values, so several points are computed together.
 EACH_ALONE = ("final_velocity", "closings")  # Measures that need a separate simulation for each point.
 OVERHEAD_AIM = 10.0  # Wanted overhead in % of the computing time of the collisions.
@@ -38,7 +38,9 @@ def alphas(count: int) -> list[float]:
 
 
 def measure_work(count: int = COUNT) -> float:
-    """Return the processor time [s] of the collisions without a sweep. It includes the construction of their chains."""
+    """Return the processor time [s] of the collisions without a sweep. The time includes the construction of their
+    chains.
+    """
     values = alphas(count)
     solve(one_on(4, power_law(1.0, values[0])), [1.0, 0, 0, 0, 0], samples=2, tolerance=TOLERANCE)
     began = process_time()
@@ -50,7 +52,8 @@ def measure_work(count: int = COUNT) -> float:
 def measure_sweep(executor: Any, count: int = COUNT, measures: tuple[str, ...] = MEASURES) -> dict[str, float]:
     """Return the cost of the same collisions as a stored sweep.
 
-    It consists of the wall time [s], the processor time of this process [s], and the bytes of the store per point.
+    The cost consists of the wall time [s], the processor time of this process [s], and the bytes of the store per
+    point.
     """
     scene = scenes.load("one-on-four").model_copy(update={"tolerance": TOLERANCE})
     points = sobol({"lanes.0.contact.alpha": (*ALPHAS, "linear")}, count)

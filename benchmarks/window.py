@@ -73,7 +73,7 @@ def reports() -> Iterator[Report]:
 def starts() -> dict[str, float]:
     """Return the seconds from the start of the process to the first frame.
 
-    They are measured with and without cached kernels and thumbnails.
+    The times are measured with and without cached kernels and thumbnails.
     """
     cached = min(_start(dict(os.environ)) for _ in range(STARTS))
     with tempfile.TemporaryDirectory() as folder:
@@ -128,7 +128,7 @@ def frames(seconds: float) -> dict[str, Any]:
 
 
 def _opened_app() -> Any:
-    """Return the application with all kernels loaded. It plays the scene SCENE."""
+    """Return the application with all kernels loaded. The application plays the scene SCENE."""
     from softcradle.sandbox.window.app import App
 
     with tempfile.TemporaryDirectory() as folder:

@@ -1,7 +1,7 @@
 """Work-precision benchmark: the shortest time in which each method and each other integrator reaches an error.
 
-It uses the cases, solvers and measurements of `softcradle chart`, but gives each case more time. Its table also shows
-the goals.
+The benchmark uses the cases, solvers and measurements of `softcradle chart`, but gives each case more time. The table
+of the benchmark also shows the goals.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Headless browser for tests, pictures and measurements of pages. It is controlled with the DevTools protocol over two
-pipes.
+"""Headless browser for tests, pictures and measurements of pages. The browser is controlled with the DevTools protocol
+over two pipes.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-PATIENCE = 1800.0  # Time to wait for any answer of the browser [s]. It is long because the machine may be busy.
+PATIENCE = 1800.0  # Time to wait for any answer of the browser [s]. The time is long because the machine may be busy.
 
 # Program that starts the browser. The browser reads commands from file descriptor 3 and writes answers to 4.
 LAUNCH = (
@@ -127,7 +127,7 @@ class Browser:
         self.until("document.readyState + location.protocol === 'completefile:'")
 
     def until(self, script: str) -> Any:
-        """Wait until a JavaScript expression is true, and return its value. This may take long on a busy machine."""
+        """Wait until a JavaScript expression is true, and return its value. The wait may take long on a busy machine."""
         end = time.monotonic() + PATIENCE
         while not (found := self.run(script)):
             assert time.monotonic() < end, f"never came: {script}"

@@ -31,8 +31,8 @@ INVERSE_BITS = 10
 # Number of bits of logarithms after the binary point. Together with k ln 2 they have 27 bits. The product with 26 other
 # bits is exact.
 HEAD_BITS = 17
-EXP_HEAD_BITS = 41  # Number of bits of ln(2)/128 after the binary point. Its product with n is exact.
-# Numbers of coefficients. They are the smallest numbers with errors far below a unit of the last place.
+EXP_HEAD_BITS = 41  # Number of bits of ln(2)/128 after the binary point. The product of this number with n is exact.
+# Numbers of coefficients. The counts are the smallest numbers with errors far below a unit of the last place.
 P_COUNT, Q_COUNT = 6, 4
 # Largest |r| for the logarithm and for the exponential function.
 WIDEST_LOG, WIDEST_EXP = Decimal("0.0055"), Decimal(2).ln() / 256

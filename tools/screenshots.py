@@ -139,7 +139,7 @@ def _save_languages(app: App, folder: Path) -> None:
         if language() != ENGLISH:
             _play(app, "one-on-four", STRONGEST, Pick(0, "contact", 1))
             save(app, folder, f"scene-{language()}")
-    app.messages.visible.clear()  # This removes the name of the language, which would cover the next picture.
+    app.messages.visible.clear()  # This line removes the name of the language, which would cover the next picture.
 
 
 def _save_sweep(app: App, folder: Path) -> None:

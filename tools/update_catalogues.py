@@ -88,7 +88,7 @@ def template() -> Catalog:
 
 
 def read_catalogue(code: str) -> Catalog:
-    """Return the catalogue of a language as Babel reads it. It is empty if the file does not exist."""
+    """Return the catalogue of a language as Babel reads it. The catalogue is empty if the file does not exist."""
     from babel.messages import Catalog
     from babel.messages.pofile import read_po
 
@@ -102,7 +102,7 @@ def read_catalogue(code: str) -> Catalog:
 def written(catalogue: Catalog) -> bytes:
     """Return the text of a catalogue.
 
-    It contains file names without line numbers. The text therefore changes only if messages change.
+    The text contains file names without line numbers. The text therefore changes only if messages change.
     """
     from babel.messages.pofile import write_po
 

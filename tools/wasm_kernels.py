@@ -5,9 +5,9 @@
 
 The kernels are `march` with the method conserving. The exports are `march` (no friction, no loss) and `march_lossy`.
 Their arguments are addresses in the memory of the module, and numbers of 32 bits or floats, so a caller does not need
-BigInt. KERNELS lists the exports, and `tools/wasm_runner.py` calls them. They use WebAssembly of 2017, which every
-browser supports, and import no functions. Their results are bitwise the same as those of the native kernels, because
-all operations are IEEE 754 operations.
+BigInt. KERNELS lists the exports, and `tools/wasm_runner.py` calls them. The exports use WebAssembly of 2017, which
+every browser supports, and import no functions. The results of the exports are bitwise the same as those of the native
+kernels, because all operations are IEEE 754 operations.
 """
 
 from __future__ import annotations
@@ -152,8 +152,8 @@ def kernel(name: str) -> tuple[Any, Any]:
 def leave_out() -> None:
     """Exclude code that a page does not use.
 
-    Excluded are tables of segments, forces over time, explicit steps, pauses and checkpoints. They would be three
-    tenths of the file.
+    Excluded are tables of segments, forces over time, explicit steps, pauses and checkpoints. The excluded parts would
+    be three tenths of the file.
     """
     from softcradle.physics.fixed_step import explicit_steps, step_loop
     from softcradle.physics.numerics import graph_kernels, knots, table_kernels

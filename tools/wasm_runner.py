@@ -1,6 +1,6 @@
 """Frames of a chain, computed with assets/page/kernels.wasm in Node or a browser, as a page computes them.
 
-They are used for tests and comparisons.
+The frames are used for tests and comparisons.
 """
 
 from __future__ import annotations

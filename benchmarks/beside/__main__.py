@@ -32,8 +32,8 @@ SOFT, STEEL = (1.0, 0.1), 500.0
 STEP = 1 / 60
 MOST, LONGEST = 1000, 4000.0  # Number of collisions, and the longest time for them [s].
 FIRST = {"steel": 1.7, "soft": 3.5}  # Time [s] after the first collision and before a ball hits a wall.
-# Gap [m] from which on two balls count as touching. It is larger than the movement in a step. A gap that falls below
-# it, after it was twice as large, is counted as a collision.
+# Gap [m] from which on two balls count as touching. This gap is larger than the movement in a step. A gap that falls
+# below it, after it was twice as large, is counted as a collision.
 TOUCHING = 0.02
 PLACES = [k - BALLS / 2 + 0.5 - (GAP if k == 0 else 0.0) for k in range(BALLS)]
 WALLS = [PLACES[0] - RADIUS - GAP, PLACES[-1] + RADIUS + GAP]  # Positions of the surfaces of the walls.

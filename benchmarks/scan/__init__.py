@@ -1,1 +1,3 @@
-"""The scan solves random chains of several families. Each is solved by a tested method and by an independent reference."""
+"""The scan solves random chains of several families. Each chain is solved with a tested method and with an independent
+reference.
+"""

@@ -13,8 +13,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-# Type of numbers in extended precision. It has a mantissa of 64 bits on x86, and of 113 bits on ARM with Linux. If it
-# is only double precision, the reference is not more precise.
+# Type of numbers in extended precision. The type has a mantissa of 64 bits on x86, and of 113 bits on ARM with Linux.
+# If it is only double precision, the reference is not more precise.
 Extended = np.longdouble
 Array = NDArray[np.longdouble]
 EPSILON = float(np.finfo(Extended).eps)

@@ -31,8 +31,8 @@ STILL = 1e-2  # Speed below which a bead counts as being at rest, in units of th
 # Allowed residual of Newton's iteration, in units of the tolerance. With a larger residual, contacts with almost no
 # force would bounce.
 NEWTON = 1e-6
-# Distance by which a guard function of velocities may be past its zero, in units of the tolerance. It is also the
-# allowed residual of a step across an event.
+# Distance by which a guard function of velocities may be past its zero, in units of the tolerance. The same number is
+# the allowed residual of a step across an event.
 SLACK = 1e-3
 FIRST_STEPS = 2  # Number of steps after which the branches of constraints at rest are determined.
 # Gap or rate that counts as round-off. A gap is relative to the overlap that the fastest contact reaches, and a rate to
@@ -157,7 +157,9 @@ class ExtendedRun:
             self.step(end)
 
     def _rows(self, time: Any) -> Rows:
-        """Return the constraints at the times `time` (...). They are constant if no force or brake depends on time."""
+        """Return the constraints at the times `time` (...). The constraints are constant if no force or brake depends
+        on time.
+        """
         if not (self.chain.forces or self.chain.brakes):
             return self.steady
         return self.steady.under(self.span.push_at(time), self.span.brake_at(time))
@@ -359,9 +361,9 @@ class ExtendedRun:
     def _round_to_rest(self, before: Point) -> None:
         """Set values to 0 that differ from 0 only by round-off.
 
-        These are velocities of sticking beads, and overlap rates of touching or held contacts. Gaps between beads that
-        move together are also removed. A push that closes such a gap would let the contact bounce with the square root
-        of the round-off.
+        Such values are velocities of sticking beads, and overlap rates of touching or held contacts. Gaps between beads
+        that move together are also removed. A push that closes such a gap would let the contact bounce with the square
+        root of the round-off.
         """
         point = self.point
         # Find the beads at rest, and set their velocities to exactly 0.
@@ -459,8 +461,8 @@ def hides_switch(
 ) -> bool:
     """Return True if a guard function can change its sign inside the step.
 
-    This is possible if one of its Bernstein coefficients has the other sign. A guard of velocities may be past its zero
-    by less than `slack` [m/s]. The sliding of a bead slower than `still` [m/s] is ignored.
+    A change is possible if one of its Bernstein coefficients has the other sign. A guard of velocities may be past its
+    zero by less than `slack` [m/s]. The sliding of a bead slower than `still` [m/s] is ignored.
     """
     kinked = (rows.preload > 0.0) | (rows.loss > 0.0)
     weight = h * rows.response.diagonal()  # Change of a constraint's velocity by a force of 1 N.

@@ -1,6 +1,6 @@
 """Families of random chains.
 
-A family is a function of a random generator. It returns a chain, the start velocities and a duration.
+A family is a function of a random generator. A family returns a chain, the start velocities and a duration.
 """
 
 from __future__ import annotations
@@ -60,15 +60,15 @@ class Motion:
 
     @property
     def speed(self) -> float:
-        """Speed [m/s] to which a tolerance refers. It is the largest difference of start velocities, or 1 if they are
-        equal.
+        """Speed [m/s] to which a tolerance refers. This speed is the largest difference of start velocities, or 1 if
+        they are equal.
         """
         return float(np.ptp(self.velocity)) or 1.0
 
 
 @dataclass(frozen=True)
 class FormLaw:
-    """Contact law that is not a power law. It has a strength [N], a length [m] and one of the FORMS."""
+    """Contact law that is not a power law. The law has a strength [N], a length [m] and one of the FORMS."""
 
     strength: float
     length: float
@@ -146,7 +146,7 @@ def mixed(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def hooke_hertz(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a chain of springs and spheres. Their strengths differ by up to four orders of magnitude."""
+    """Return a chain of springs and spheres. The strengths of the contacts differ by up to four orders of magnitude."""
     n = int(draw.integers(2, 8))
     laws = [(hooke, hertz)[int(draw.integers(2))](float(_log(draw, 1.0, 1e4))) for _ in range(n)]
     return Chain(_masses(draw, n, 0.6), laws), _strike(draw, n), None
@@ -166,7 +166,7 @@ def gears(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def clusters(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return up to three clusters that collide with each other. There are gaps between them."""
+    """Return up to three clusters that collide with each other. There are gaps between the clusters."""
     n = int(draw.integers(3, 8))
     cluster = np.sort(draw.integers(0, 3, n + 1))
     velocity = np.sort(draw.uniform(-1.0, 1.0, 3))[::-1][cluster]
@@ -302,7 +302,7 @@ def timed(draw: Draw) -> tuple[Chain, Array, float | None]:
 
 
 def _over_time(draw: Draw, n: int, end: float, values: Array) -> TimedForce:
-    """Return a force over time on one or two beads. It consists of a pulse, ramps or steps."""
+    """Return a force over time on one or two beads. The force consists of a pulse, ramps or steps."""
     beads = draw.choice(n + 1, size=int(draw.integers(1, 3)), replace=False).tolist()
     knots = np.sort(draw.uniform(0.0, end, int(draw.integers(1, 5))))
     if draw.random() < 0.4:  # The force has steps, so each breakpoint occurs twice.
@@ -311,8 +311,8 @@ def _over_time(draw: Draw, n: int, end: float, values: Array) -> TimedForce:
 
 
 def bounded(draw: Draw) -> tuple[Chain, Array, float | None]:
-    """Return a long motion between walls, or of beads that couplers hold together. It can end in the middle of a
-    collision.
+    """Return a long motion between walls, or of beads that couplers hold together. The motion can end in the middle of
+    a collision.
     """
     n = int(draw.integers(1, 6))
     mass, velocity = _masses(draw, n, 0.5), _strike(draw, n)
@@ -351,7 +351,8 @@ def bed_struck(draw: Draw) -> tuple[Chain, Array, float | None]:
 def bed_pressed(draw: Draw) -> tuple[Chain, Array, float | None]:
     """Return a chain of two to four beads that overlap at the start, on a bed that holds most of them.
 
-    In nine of ten chains one bead moves. It is so fast that it slides over a fifth to three times the largest overlap.
+    In nine of ten chains one bead moves. This bead is so fast that it slides over a fifth to three times the largest
+    overlap.
     """
     n = int(draw.integers(1, 4))
     law = power_law(float(_log(draw, 0.3, 30.0)), _bed_exponent(draw))

@@ -255,8 +255,8 @@ class Stages:
     def _move_contacts(self, stages: Point, step: Double) -> None:
         """Move all contacts along their graphs, in place. A contact that reaches an event continues on the next branch.
 
-        The place on a graph is overlap + weight * force. Overlap and force are functions of the place. They change by
-        no more than the place.
+        The place on a graph is overlap + weight * force. Overlap and force are functions of the place. Neither changes
+        by more than the place.
         """
         rows, branch, weight = self.rows, stages.branch, self.yielding
         held, part = branch == HELD, self._part(branch)
@@ -276,7 +276,7 @@ class Stages:
         self._release(stages)
 
     def _release(self, stages: Point) -> None:
-        """Release held contacts whose force has left its bounds. They then load or unload."""
+        """Release held contacts whose force has left its bounds. The released contacts then load or unload."""
         if not self.rows.loss.any():
             return
         law = self.rows.law(stages.overlap)

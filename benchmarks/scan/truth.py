@@ -5,13 +5,13 @@ extended precision.
 
 Most chains are easy, but the reference method takes seconds. If two fine simulations with different steps agree, and
 `conserving` confirms their end, they are the reference solution. `conserving` shares neither steps nor event location
-with them. The reference method solves one chain of twenty. It also solves every chain for which the fine simulations
-fail or disagree.
+with them. The reference method solves one chain of twenty. The reference method also solves every chain for which the
+fine simulations fail or disagree.
 
-The reference method does not accept user-defined laws. The method `scipy` solves chains with such laws. It calls the
-functions, whereas other methods read a table. If the reference method gives up, contacts open and close often. The
-finest simulations of two methods then show how precisely the motion is determined. If these give up as well, the spread
-of simulations with `conserving` shows how precisely the end is known. Larger steps give a wider spread.
+The reference method does not accept user-defined laws. The method `scipy` solves chains with such laws. This method
+calls the functions, whereas other methods read a table. If the reference method gives up, contacts open and close
+often. The finest simulations of two methods then show how precisely the motion is determined. If these give up as well,
+the spread of simulations with `conserving` shows how precisely the end is known. Larger steps give a wider spread.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-12  # Tolerance of the reference in extended precision.
 SCIPY = 1e-9, 1e-10  # Tolerances of the two simulations with the method `scipy`.
-MOST_STEPS_OF_SCIPY = 100_000  # Largest number of steps of a simulation with `scipy`. It takes about ten seconds.
+# Largest number of steps of a simulation with `scipy`. Such a simulation takes about ten seconds.
+MOST_STEPS_OF_SCIPY = 100_000
 # Largest product of the number of steps of the reference method and the square of the number of beads. It takes some
 # seconds.
 STEPS_AND_SQUARE = 60_000
@@ -72,7 +73,7 @@ BY_REFERENCE = 20  # The reference solves each chain whose seed is a multiple of
 BEDS = (
     "bed-struck",
     "bed-pressed",
-)  # These are families of short chains. The reference method solves each chain in a fraction of a second.
+)  # These entries are families of short chains. The reference method solves each chain in a fraction of a second.
 # Number of steps per longest contact time in the simulation with `conserving` that confirms the positions of fine
 # simulations.
 CONFIRMING_PATH = 300
@@ -105,7 +106,7 @@ class Path:
     def at(self, time: float, velocity: Array) -> Array:
         """Return the positions (n+1,) at `time` [s].
 
-        They follow from free flight with `velocity` (n+1,) [m/s] between this time and the end.
+        The positions follow from free flight with `velocity` (n+1,) [m/s] between this time and the end.
         """
         return self.position + (time - self.end) * velocity
 
@@ -114,7 +115,8 @@ class Path:
 class Truth:
     """Reference solution with its source.
 
-    It contains the final velocities (n+1,) [m/s], their uncertainties (n+1,) [m/s], and the path if it is known.
+    A reference solution contains the final velocities (n+1,) [m/s], their uncertainties (n+1,) [m/s], and the path if
+    it is known.
     """
 
     velocity: Array
@@ -159,7 +161,9 @@ def truth_of(motion: Motion) -> Truth:
 
 
 def _by_scipy(motion: Motion) -> Truth | None:
-    """Return the final state of the finer of two simulations with `scipy`. Their difference is the uncertainty."""
+    """Return the final state of the finer of two simulations with `scipy`. The difference of the two simulations is the
+    uncertainty.
+    """
     ends = []
     for tolerance in SCIPY:
         run = solve(motion.chain, motion.velocity, motion.duration, "scipy", None, 2, tolerance, MOST_STEPS_OF_SCIPY)
@@ -253,8 +257,8 @@ def _switches(found: Trajectory) -> list[tuple[int, bool, float]]:
 def off_by(event: Event, found: Trajectory, speed: float) -> float:
     """Return the error of the time of an event in a simulation, expressed as a distance [m].
 
-    It is the difference of the times, multiplied by the rate of the overlap. It is 0 if this rate is too small to
-    determine the time. It is infinite if the contact does not close or open in the simulation.
+    The distance is the difference of the times, multiplied by the rate of the overlap. The error is 0 if this rate is
+    too small to determine the time. The error is infinite if the contact does not close or open in the simulation.
     """
     if event.speed < SLOW_EVENT * speed:
         return 0.0
@@ -302,7 +306,7 @@ def _largest_spread(ends: Array) -> float:
 def _spread(motion: Motion) -> Truth:
     """Return the mean and the spread of several simulations.
 
-    They are simulations with `conserving` with five steps and slightly different forces, and the finest simulation.
+    The simulations use `conserving` with five steps and slightly different forces. The finest simulation is included.
     """
     method, tolerance = list(FINE.items())[-1]
     if refusal_of(method, motion.chain):

@@ -1,4 +1,6 @@
-"""Verdict on one simulation. Its error is compared with the tolerance and with the error that the method estimates."""
+"""Verdict on one simulation. The error of the simulation is compared with the tolerance and with the error that the
+method estimates.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ class RunVerdict(StrEnum):
     """Result of comparing a simulation with the reference solution."""
 
     WITHIN = "within"  # The error is within the guarantee.
-    # The error exceeds the guarantee. It is within the error that the method estimates, or the method warns.
+    # The error exceeds the guarantee. The error is within the error that the method estimates, or the method warns.
     REPORTED = "reported"
     # The error exceeds the guarantee and the error that the method estimates, so it is undetected.
     UNDETECTED = "undetected"
@@ -60,7 +62,7 @@ def judge(motion: Motion, truth: Truth, method: str, tolerance: float) -> dict[s
 def _path_errors(motion: Motion, truth: Truth, found: Trajectory) -> tuple[float, float]:
     """Return the errors [m] of final positions and of contact times, which are expressed as distances.
 
-    They are 0 if the path is not known.
+    The errors are 0 if the path is not known.
     """
     path = truth.path
     if path is None or found.status.gave_up:

@@ -23,7 +23,7 @@ Table = dict[str, Array]  # Maps each column name to the values (T,) of the colu
 def long_table(columns: Sequence[str], blocks: Sequence[Sequence[ArrayLike]]) -> Table:
     """Return a table that consists of the rows of all `blocks`.
 
-    A block contains a value or an array for each column. Its values and arrays are broadcast together.
+    A block contains a value or an array for each column. The values and arrays of a block are broadcast together.
     """
     arrays = [
         np.column_stack(np.broadcast_arrays(*[np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in block]))

@@ -1,9 +1,9 @@
 """Simulation of the paper's experiment (App. C), and the part of its losses that friction explains.
 
 In the experiment, one bead hits three beads, or two beads hit two, on a bed of straws. The paper states masses, spring,
-precompression, and "relative deficits in the momentum and energy upon collision" of 5-10 % and 10-20 %. It states
-neither the launch speed nor the time over which the deficits were measured. This module measures them from the first
-touch to the last opening of a contact.
+precompression, and "relative deficits in the momentum and energy upon collision" of 5-10 % and 10-20 %. The paper
+states neither the launch speed nor the time over which the deficits were measured. This module measures the deficits
+from the first touch to the last opening of a contact.
 
 Three statements of the paper limit the speed. A target cluster that leaves as one body needs less than the critical
 speed (1.01 m/s for one on three). A kymograph with bars of 100 ms and 12 cm shows slopes well below the diagonal of its
@@ -207,7 +207,9 @@ def fitted_deficits(
 
 
 def critical_speed_with_error(strikers: int) -> Measured:
-    """Return the critical speed [m/s] for the measured masses. Its error includes the errors of the masses."""
+    """Return the critical speed [m/s] for the measured masses. The error of the speed includes the errors of the
+    masses.
+    """
 
     def at(setup: Apparatus, mass: tuple[float, ...] = MASS) -> float:
         return critical_speed(draft_gear(setup.stiffness, setup.precompression), mass, strikers)

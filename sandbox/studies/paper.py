@@ -31,14 +31,14 @@ LATER = 1.25  # Ratio of the two values of 1/alpha from which a local rate is co
 
 SAMPLES = 1001  # Number of samples for a figure.
 TOLERANCE = 1e-8  # Tolerance of the simulations for a figure.
-# Smallest oscillation that counts as one, in units of the striker's speed or of f0. It is a hundredth of the
+# Smallest oscillation that counts as one, in units of the striker's speed or of f0. This size is a hundredth of the
 # discrepancy in Fig. 2c.
 SWING = 1e-5
 
 # Warnings after which no quantity of a simulation is determined.
 INCOMPLETE = (WarningCode.GAVE_UP, WarningCode.UNCONVERGED, WarningCode.LOG_FULL)
 KEPT_ENDS = 4096  # Number of cached simulations that contain only the final state.
-KEPT_MOTIONS = 64  # Number of cached simulations that contain samples. Each takes up to some megabytes.
+KEPT_MOTIONS = 64  # Number of cached simulations that contain samples. Each simulation takes up to some megabytes.
 
 
 class NotSolvedError(Exception):
@@ -73,7 +73,7 @@ class MethodFineness:
 
 
 MEASURING = MethodFineness(TOLD)
-# Second method for error bars. Its error is of the order of the discrepancies in the figures.
+# Second method for error bars. The error of this method is of the order of the discrepancies in the figures.
 SECOND = MethodFineness(KEEPING, 1e-4)
 FINER_SECOND = MethodFineness(KEEPING, 1e-5)  # Second method for differences of times and for small spreads.
 FINEST_SECOND = MethodFineness(KEEPING, 1e-6)  # Second method for oscillations with a period of about 1e-4.
@@ -133,7 +133,7 @@ def driven_chain(n: int, alpha: float) -> Chain:
     """Return `n` unit beads that just touch, with a steady force on the first bead (Sec. V).
 
     The mode-coupling model of this chain has one overlap. For unit strength, its equation is ``psi'' = F/m1 - (1/m1 +
-    1/M) psi**alpha``. Its energy gives the amplitude and the period.
+    1/M) psi**alpha``. The energy of the model gives the amplitude and the period.
     """
     return Chain([1.0] * n, power_law(1.0, alpha), drive=[DRIVE] + [0.0] * (n - 1))
 
@@ -151,7 +151,7 @@ def driven_period(n: int, alpha: float) -> float:
 
 
 STRIKER_CONTACT = power_law(1.0, 1.0 / 30.0)  # Contact of the striker that hits a cluster under prestress.
-SPRING_PRESTRESS = 20.0  # Force on the springs. It keeps them compressed all the time.
+SPRING_PRESTRESS = 20.0  # Force on the springs. The force keeps the springs compressed all the time.
 
 
 def pressed_cluster(n: int, inner: Contact, prestress: float) -> Chain:
@@ -170,7 +170,7 @@ def pressed_cluster(n: int, inner: Contact, prestress: float) -> Chain:
 def random_beads(random: np.random.Generator, targets: int, width: float) -> tuple[Array, Array]:
     """Return random masses of a striker and `targets` beads, and random strengths of their contacts.
 
-    The numbers are between 1/width and width. Their logarithms have a uniform distribution.
+    The numbers are between 1/width and width. The logarithms of the numbers have a uniform distribution.
     """
     mass, strength = (width ** random.uniform(-1.0, 1.0, count) for count in (targets + 1, targets))
     return mass, strength

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMN_WIDTH = 86.0 / 25.4  # Width of a journal column, 86 mm, in inches.
-PAGE_WIDTH = 178.0 / 25.4  # Width of a journal page, 178 mm, in inches. It is used for figures with several panels.
+# Width of a journal page, 178 mm, in inches. This width is used for figures with several panels.
+PAGE_WIDTH = 178.0 / 25.4
 
 # Colours of Okabe and Ito, which colour-blind readers can distinguish. As in the paper, the first two beads and forces
 # are blue and orange, and psi is red.
@@ -34,8 +35,8 @@ GREY = "#6b6b6b"
 BLACK = "#000000"
 COLOUR_CYCLE = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY, BLACK)
 
-# Style of the curves of the mode-coupling model: dashed, thick and pale. They lie below the thin solid curves of the
-# full equations.
+# Style of the curves of the mode-coupling model: dashed, thick and pale. These curves lie below the thin solid curves
+# of the full equations.
 MODEL_LINE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 2.2, "alpha": 0.5}
 
 SETTINGS: dict[str, Any] = {

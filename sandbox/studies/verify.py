@@ -27,7 +27,9 @@ from softcradle.physics.chain import GRAVITY
 from softcradle.physics.simulation import solve
 from softcradle.sandbox.studies.paper import crest
 
-ALLOWED = 1e-7  # Allowed difference for the simulations of this file. Their tolerance is a hundredth of it.
+# Allowed difference for the simulations of this file. The tolerance of the simulations is a hundredth of this
+# difference.
+ALLOWED = 1e-7
 
 
 @dataclass(frozen=True)
@@ -90,8 +92,8 @@ FINAL = {  # Velocity of the striker after a collision at 1 m/s, with unit masse
 def _closed_forms() -> Iterator[KnownNumber]:
     """Yield numbers that are known from closed formulas.
 
-    They include velocities of the striker and of the last of two on two, contact times, critical speeds, loss, and
-    balls with gaps.
+    The numbers include velocities of the striker and of the last of two on two, contact times, critical speeds, loss,
+    and balls with gaps.
     """
     for (n, exponent), value in FINAL.items():
         name = f"velocity of the striker, one on {n}, alpha {exponent:.3g} [m/s]"
@@ -188,7 +190,7 @@ def _three_balls() -> Iterator[KnownNumber]:
 def magic_mass(n: int) -> float:
     """Return the mass of a middle ball that transfers all momentum from one ball of mass 1 to another.
 
-    It does so in n - 1 collisions, where n is odd. In coordinates of equal inertia, the two gaps are the sides of a
+    The transfer takes n - 1 collisions, and n is odd. In coordinates of equal inertia, the two gaps are the sides of a
     wedge of angle pi / n. The cosine of this angle is 1 / (1 + mass).
     """
     return 1.0 / math.cos(math.pi / n) - 1.0
@@ -275,9 +277,9 @@ def _reversed() -> float:
 LENGTH = 60  # Number of beads behind the striker.
 FIRST, LAST = 20, 45  # Contacts between which the pulse has its final shape.
 DEPTH = 500  # Number of beads of the column.
-WEAK = 1e-4  # Speed of the uppermost bead [m/s]. It is small compared with the velocity of sound at this bead.
-# Number of samples of a simulation. The largest overlap is computed from a parabola through three samples. Its error is
-# a few 1e-6.
+WEAK = 1e-4  # Speed of the uppermost bead [m/s]. The speed is small compared with the velocity of sound at this bead.
+# Number of samples of a simulation. The largest overlap is computed from a parabola through three samples. The error of
+# this overlap is a few 1e-6.
 SAMPLES = 1201
 SOURCE = "long chains of unit spheres, K = 1, struck by one at 1 m/s"
 

@@ -71,7 +71,7 @@ OWN_COLUMNS: dict[str, dict[str, Any]] = {
         "long_name": "what became of the point",
         "flag_values": np.array(
             [status.value for status in PointStatus], dtype=np.int8
-        ),  # These are attributes for flags according to the CF conventions.
+        ),  # These entries are attributes for flags according to the CF conventions.
         "flag_meanings": " ".join(status.name.lower() for status in PointStatus),
     },
     WARNED: {"long_name": "number of warnings"},
@@ -138,7 +138,7 @@ def write_dataset(found: xr.Dataset, path: Path) -> None:
 
 
 def opened_dataset(path: Path, study: str) -> xr.Dataset:
-    """Open the Dataset in a file. Its numbers are read only when they are used.
+    """Open the Dataset in a file. The numbers of the Dataset are read only when a program uses them.
 
     Raise StudyError if the file belongs to another study.
     """
@@ -159,7 +159,7 @@ def opened_dataset(path: Path, study: str) -> xr.Dataset:
 def summary_rows(found: xr.Dataset) -> list[tuple[str, str, str, str, str]]:
     """Return one row for each measure.
 
-    It contains the name with unit, the least, mean and greatest value, and the number of points without value.
+    A row contains the name with unit, the least, mean and greatest value, and the number of points without value.
     """
     rows = []
     for name, variable in found.drop_vars(RESERVED).data_vars.items():

@@ -111,8 +111,8 @@ def processes(work: Work, workers: int) -> Workplace:
         sent = cloudpickle.dumps(work)
     except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
         raise StudyError(f"other processes cannot compute this: {error}") from None
-    # This thread starts the processes. They inherit its blocked signals, so Ctrl+C cannot interrupt a half-started
-    # process.
+    # This thread starts the processes. The processes inherit its blocked signals, so Ctrl+C cannot interrupt a
+    # half-started process.
     starter = ThreadPoolExecutor(1, initializer=_block_interruptions)
 
     class Processes(loky.ProcessPoolExecutor):  # type: ignore[misc]
@@ -136,8 +136,8 @@ def _block_interruptions() -> None:
 
 
 def _begin_worker(parent: int) -> None:
-    """Prepare a worker process. It ignores Ctrl+C, and exits when the parent process ends, even if the parent was
-    killed.
+    """Prepare a worker process. The process ignores Ctrl+C, and exits when the parent process ends, even if the parent
+    was killed.
     """
     from loky import process_executor
 

@@ -1,4 +1,4 @@
-"""Table of measures. A measure is a number that a sweep computes from a simulation. It has a name, a unit and a
+"""Table of measures. A measure is a number that a sweep computes from a simulation. A measure has a name, a unit and a
 meaning.
 """
 
@@ -43,7 +43,7 @@ class Run:
 
     @cached_property
     def motion(self) -> Trajectory:
-        """Trajectory of the whole motion. Its only samples are the start and the end."""
+        """Trajectory of the whole motion. The only samples of the Trajectory are the start and the end."""
         return solve(self.start.chain, self.start.velocity, samples=2, **self.start.settings)
 
     @cached_property

@@ -177,7 +177,7 @@ def sweep_status(
 ) -> tuple[int, str]:
     """Return the number of lost points of a complete sweep, and a sentence about the progress of the sweep.
 
-    A point is lost if the process that computed it died in every attempt. This function does not compute any point. Its
+    A point is lost if the process that computed it died in every attempt. This function does not compute any point. The
     arguments are those of `sweep`. Raise StudyError if they are invalid.
     """
     points = over if isinstance(over, Points) else grid(over)
@@ -281,8 +281,8 @@ def _compute_missing(
 ) -> None:
     """Compute all points that are not stored.
 
-    If `place` is None and all points take about the same time, the first points are computed in this thread. Their time
-    predicts the total time.
+    If `place` is None and all points take about the same time, the first points are computed in this thread. The time
+    of these points predicts the total time.
     """
     count = work.points.count
 
@@ -297,8 +297,8 @@ def _compute_missing(
     schedule = ChunkSchedule(store.missing(), keep, chunk_seconds)
     stopped = True
     try:
-        # If an earlier process was killed, the first point may be the cause. It is therefore not computed in this
-        # process.
+        # If an earlier process was killed, the first point may be the cause. The first point is therefore not computed
+        # in this process.
         if place is None and alike and not store.begun:
             schedule.run(here(work), TRIED_HERE)
             if schedule.seconds_left < WORTH_PROCESSES:

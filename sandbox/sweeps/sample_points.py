@@ -17,8 +17,8 @@ Scale = Literal["linear", "log", "whole"]
 Design = Literal["grid", "list", "sobol", "latin_hypercube"]
 
 MOST_POINTS = 2**30  # Largest number of points. A Dataset then has 8 GB for each measure.
-# Largest number of sampled coordinates, or of values of one parameter. They are held in memory and take 128 MB in every
-# process.
+# Largest number of sampled coordinates, or of values of one parameter. The numbers are held in memory and take 128 MB
+# in every process.
 MOST_SAMPLED = 2**24
 MOST_WHOLE = 2**53  # Whole numbers up to this size are exact as floats.
 SOBOL_BITS = 30  # Number of bits of the Sobol sequence. With this number, 2**30 points differ from each other.
@@ -59,7 +59,9 @@ class Axis:
 
     @cached_property
     def array(self) -> NDArray[Any]:
-        """Values as an array. Its type is boolean, whole number or float if all values allow it, otherwise object."""
+        """Values as an array. The type of the array is boolean, whole number or float if all values allow it, otherwise
+        object.
+        """
         kinds = kinds_of(self.values)
         known = ({bool}, np.bool_), ({int}, np.int64), ({int, float}, np.float64)
         return np.array(self.values, dtype=next((own for of, own in known if kinds <= of), object))

@@ -48,7 +48,8 @@ class ScenePoints:
     def __getstate__(self) -> Scene:
         """Return the scene for pickling.
 
-        Functions that were derived from the scene cannot be pickled. They are derived again after unpickling.
+        Functions that were derived from the scene cannot be pickled. These functions are derived again after
+        unpickling.
         """
         return self.scene
 
@@ -69,7 +70,7 @@ class ScenePoints:
         try:
             lanes, settings = self._moving[key](values)
         except ValidationError:
-            self.checked(values)  # This raises the same error message as for a file.
+            self.checked(values)  # This check raises the same error message as for a file.
             raise
         return [LaneStart(lane.chain(), lane.velocity, settings) for lane in lanes]
 
@@ -202,7 +203,7 @@ def _checked_change(table: type[BaseModel], key: str, change: Change) -> Change:
 
 @cache
 def _field_of(table: type[BaseModel], key: str) -> TypeAdapter[Any]:
-    """Return a validator for one field of a table. It works without the rest of the table."""
+    """Return a validator for one field of a table. The validator works without the rest of the table."""
     field = table.model_fields[key]
     kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(field.annotation, type) and issubclass(

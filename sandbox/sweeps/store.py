@@ -1,4 +1,4 @@
-"""Store for the finished points of a sweep. It is a Zarr group from which an interrupted sweep continues.
+"""Store for the finished points of a sweep. The store is a Zarr group from which an interrupted sweep continues.
 
 The folder `NAME.partial` contains a lock and a group. The group has an array for each column of the chunks, with a row
 for each point. The study is an attribute of the group. The status of a point is written last, so a point with a status
@@ -245,9 +245,9 @@ def study_text(work: Work, title: str, units: Mapping[str, str] | None = None, v
 def identity(function: Any) -> tuple[str, str]:
     """Return the name of a function and a digest.
 
-    The digest depends on the source text of the function and on the values that are bound to it. It does not depend on
-    other functions that the function calls, or on values that it closes over. The argument `version` of a sweep
-    represents these.
+    The digest depends on the source text of the function and on the values that are bound to it. The digest does not
+    depend on other functions that the function calls, or on values that it closes over. The argument `version` of a
+    sweep represents these.
     """
     bound: list[Any] = []
     name = function_name(function)

@@ -159,7 +159,7 @@ class StudyFile(Table):
 
 @dataclass(frozen=True)
 class SweepStudy:
-    """Study that was read from a file. It contains the arguments of `sweep`."""
+    """Study that was read from a file. The object contains the arguments of `sweep`."""
 
     title: str
     scene: Scene

@@ -143,8 +143,8 @@ class Work:
     def _runs_at_once(self) -> bool:
         """Return True if several chains can be computed together.
 
-        This requires that only final states are measured, and that the kernels for several chains are available. If a
-        large sweep lacks these kernels, their compilation is started in the background.
+        Such a computation requires that only final states are measured, and that the kernels for several chains are
+        available. If a large sweep lacks these kernels, their compilation is started in the background.
         """
         from softcradle.physics.batch.ends import TIERS
 

@@ -24,7 +24,8 @@ CLAIMS: tuple[Claim, ...] = (
 
 # Claims that each take a tenth of the total computing time. They are measured first.
 LONGEST = ("waves-diverge", "cradle-perturbed", "rigid-like", "second-mode")
-# Case number of the measurement by the independent reference. It takes long and is therefore measured first.
+# Case number of the measurement by the independent reference. This measurement takes long and is therefore measured
+# first.
 REFERENCE_CASE = -1
 
 

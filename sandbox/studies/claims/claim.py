@@ -51,7 +51,7 @@ class Case:
 
     @property
     def side(self) -> CaseOutcome:
-        """Position of the value relative to `allowed`. It is undetermined if the error bar crosses `allowed`."""
+        """Position of the value relative to `allowed`. The position is undetermined if the error bar crosses `allowed`."""
         if not math.isfinite(self.value) or not math.isfinite(self.error):
             return CaseOutcome.UNDETERMINED
         if self.value + self.error <= self.allowed:
@@ -123,7 +123,7 @@ class JudgedClaim(Statement):
     def limit(self) -> float | None:
         """Largest value of the variable up to which no case fails and at least one holds.
 
-        It is None if the first cases do not hold.
+        The limit is None if the first cases do not hold.
         """
         last = None
         for variable, sides in self._sides:
@@ -215,8 +215,8 @@ class JudgedClaim(Statement):
 
     @property
     def bar_text(self) -> str:
-        """Text that gives the allowed values at which the verdict would change. It is empty if the paper names the
-        value.
+        """Text that gives the allowed values at which the verdict would change. The text is empty if the paper names
+        the value.
         """
         own = self.own_case
         if not self.chosen or own.side is CaseOutcome.UNDETERMINED:

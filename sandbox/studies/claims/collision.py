@@ -21,7 +21,7 @@ from softcradle.sandbox.studies.paper import (
 
 STEP_OF_INVERSE = 0.25  # Step of 1/alpha between two points of a curve of the spread.
 WINDOW_STEP = 0.5  # Step of 1/alpha between two points of a window.
-# Width of the window of 1/alpha in which the largest spread is taken. It contains several peaks of the spread.
+# Width of the window of 1/alpha in which the largest spread is taken. The window contains several peaks of the spread.
 WINDOW = 4.0
 
 

@@ -39,7 +39,7 @@ def driven(case: Parameters) -> Chain:
 def driven_returns(case: Parameters, solver: MethodFineness) -> tuple[list[float], list[float], float]:
     """Return the times of the minima of psi, the values of psi at these times, and the maximum of psi.
 
-    Each minimum is called a return of psi. It is located with samples that become denser around it. The second
+    Each minimum is called a return of psi. A minimum is located with samples that become denser around it. The second
     derivative of psi jumps when the contact opens. A smooth curve through samples on both sides of the jump therefore
     does not represent psi.
     """
@@ -67,7 +67,7 @@ def psi_at_return(case: Parameters, solver: MethodFineness) -> float:
 def rate_of_inner_period(case: Parameters, solver: MethodFineness) -> float:
     """Return how far a slope differs from -1/2.
 
-    It is the slope of the logarithm of sqrt(alpha) times the period of the driven mode, against 1/(n alpha).
+    The slope is that of the logarithm of sqrt(alpha) times the period of the driven mode, against 1/(n alpha).
     """
     low, high = (driven_returns(k, solver)[0][-1] / RETURNS / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
     return abs(local_rate(case, low, high) + 0.5)

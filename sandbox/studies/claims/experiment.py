@@ -1,4 +1,6 @@
-"""Claims about the experiment of App. C. They concern draft gears with the measured masses and similar soft power laws."""
+"""Claims about the experiment of App. C. The claims concern draft gears with the measured masses and similar soft power
+laws.
+"""
 
 from functools import lru_cache
 

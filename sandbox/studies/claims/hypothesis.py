@@ -1,4 +1,4 @@
-"""Claims of Appendix B about the evanescent hypothesis, Eq. (7). They are tested with the solution of the full
+"""Claims of Appendix B about the evanescent hypothesis, Eq. (7). The claims are tested with the solution of the full
 equations.
 """
 
@@ -76,7 +76,7 @@ def distance_of_curves(case: Parameters, solver: MethodFineness) -> float:
 
 
 def wiggles(case: Parameters, solver: MethodFineness) -> float:
-    """Return the number of turning points of the curves. It is 0 if all curves rise steadily."""
+    """Return the number of turning points of the curves. The number is 0 if all curves rise steadily."""
     return float(max(turning_points(curve).size for curve in discrepancy(case, solver).T))
 
 

@@ -54,7 +54,7 @@ def psi_off_law(case: Parameters, solver: MethodFineness) -> float:
 def rate_of_duration(case: Parameters, solver: MethodFineness) -> float:
     """Return how far a slope differs from the stated -1/2.
 
-    It is the slope of the logarithm of sqrt(alpha) times the contact time, against 1/(n alpha).
+    The slope is that of the logarithm of sqrt(alpha) times the contact time, against 1/(n alpha).
     """
     low, high = (detachment(k, solver) / math.sqrt(k["1/alpha"]) for k in (case, later(case)))
     return abs(local_rate(case, low, high) + 0.5)
@@ -73,7 +73,7 @@ def bend_over_bound(case: Parameters, solver: MethodFineness) -> float:
 
 
 def loss_of_rigidity(case: Parameters, solver: MethodFineness) -> float:
-    """Return RIGID_LIKE divided by the spread of velocities. It is above 1 if the cluster is still rigid-like."""
+    """Return RIGID_LIKE divided by the spread of velocities. The result is above 1 if the cluster is still rigid-like."""
     return RIGID_LIKE / spread(case, solver)
 
 
@@ -98,7 +98,7 @@ def energy_inside(case: Parameters, solver: MethodFineness) -> float:
 def rise_of_energy(case: Parameters, solver: MethodFineness) -> float:
     """Return the logarithm of the ratio of the energies in the inner contacts at 1/alpha and at LATER times 1/alpha.
 
-    It is below 0 if the energy falls.
+    The logarithm is below 0 if the energy falls.
     """
     return math.log(energy_inside(later(case), solver) / energy_inside(case, solver))
 

@@ -54,7 +54,7 @@ def discrepancy(case: Parameters, solver: MethodFineness) -> float:
 def delay_of_phi(case: Parameters, solver: MethodFineness) -> float:
     """Return the time at which Phi returns to zero minus the time at which psi returns to zero.
 
-    It is below 0 if Phi returns first.
+    The difference is below 0 if Phi returns first.
     """
     chain = chain_of(case)
     found = solver.model(chain, start(chain))

@@ -1,4 +1,4 @@
-"""Figure of a study. It shows each case with its error bar, the allowed value and the nearest counter-example."""
+"""Figure of a study. The figure shows each case with its error bar, the allowed value and the nearest counter-example."""
 
 from __future__ import annotations
 

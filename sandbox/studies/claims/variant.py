@@ -149,7 +149,7 @@ def wave_speed(case: Parameters, solver: MethodFineness) -> float:
 def _linear_speed(alpha: float, prestress: float) -> float:
     """Return the speed ``sqrt(f'(d) / m)`` of linear waves under a prestress.
 
-    It equals prestress**((alpha-1)/(2 alpha)) sqrt(alpha).
+    This speed equals prestress**((alpha-1)/(2 alpha)) sqrt(alpha).
     """
     return math.sqrt(alpha) * prestress ** ((alpha - 1.0) / (2.0 * alpha))
 
@@ -157,8 +157,8 @@ def _linear_speed(alpha: float, prestress: float) -> float:
 def fall_with_prestress(case: Parameters, solver: MethodFineness) -> float:
     """Return the logarithm of the ratio of the wave speeds at two values of the prestress.
 
-    They are the prestress of the case and nine tenths of it. The result is below 0 if the wave is faster with less
-    prestress.
+    The two values are the prestress of the case and nine tenths of it. The result is below 0 if the wave is faster with
+    less prestress.
     """
     less = {**case, "prestress": 0.9 * case["prestress"]}
     return math.log(wave_speed(case, solver) / wave_speed(less, solver))
@@ -175,7 +175,7 @@ def sprung_cluster(case: Parameters) -> Chain:
 def vibration(case: Parameters, solver: MethodFineness) -> float:
     """Return the root mean square deviation of the targets' velocities from their mean, relative to that mean.
 
-    It is measured after the striker has left.
+    The deviation is measured after the striker has left.
     """
     chain = sprung_cluster(case)
     found = solver.motion(chain, start(chain), SPRING_TIME, 4001)
@@ -196,7 +196,7 @@ def echo(case: Parameters, solver: MethodFineness) -> float:
     springs.
 
     The change is relative to the bead's initial velocity. The springs push with unit stiffness, so the pulse advances
-    by one bead in a unit of time. They pull with the stiffness `pull`.
+    by one bead in a unit of time. The springs pull with the stiffness `pull`.
     """
     beads = round(case["beads"])
     spring = Coupler(hooke(1.0), pull=hooke(case["pull"])) if case["pull"] else hooke(1.0)

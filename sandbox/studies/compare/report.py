@@ -84,7 +84,7 @@ def _forces(result: SideResult) -> Array:
 def overlays(results: Sequence[SideResult], axis: TimeAxis) -> str:
     """Return three charts that compare all sides.
 
-    They show the force of the struck contact, the energy inside the target cluster, and the contact laws.
+    The charts show the force of the struck contact, the energy inside the target cluster, and the contact laws.
     """
     forces = [_forces(result)[:, result.measures.struck] for result in results]
     inside = [_energy_inside(result) for result in results]

@@ -111,7 +111,7 @@ def collision_table(results: Sequence[SideResult]) -> ResultTable:
 
 
 def velocity_table(results: Sequence[SideResult]) -> ResultTable:
-    """Return a table of the final velocity of each bead. It includes error estimates if a method reports them."""
+    """Return a table of the final velocity of each bead. The table includes error estimates if a method reports them."""
     final = [result.measures.final_velocity for result in results]
     rows = []
     for bead in range(max(map(len, final))):

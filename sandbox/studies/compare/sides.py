@@ -40,7 +40,7 @@ class Comparison:
     sides: tuple[Side, ...]
 
     def as_scene(self, end: float) -> Scene:
-        """Return a scene in which each side is a lane. It lasts until `end` [s] if the scene of any side has a
+        """Return a scene in which each side is a lane. The scene lasts until `end` [s] if the scene of any side has a
         duration.
 
         The method, the step or tolerance, and the magnification are set if the scenes of all sides agree.
@@ -93,7 +93,7 @@ def comparison_of(
 
 
 def _moved_by(scene: Scene, method: str | None, step: float | None) -> Scene:
-    """Return `scene` with the given method and step. It keeps its own tolerance if the method uses a tolerance."""
+    """Return `scene` with the given method and step. The scene keeps its own tolerance if the method uses a tolerance."""
     settings = scene.settings(method=method, step=step)
     if refusal_of_fineness(settings.get("method", ""), None, scene.tolerance):
         settings["tolerance"] = None
@@ -103,7 +103,7 @@ def _moved_by(scene: Scene, method: str | None, step: float | None) -> Scene:
 def _check(comparison: Comparison, added: int) -> None:
     """Raise UserError if the comparison is not valid.
 
-    It must not have too few or too many sides, including the `added` ones. Each lane must be valid and have a
+    A comparison must not have too few or too many sides, including the `added` ones. Each lane must be valid and have a
     collision.
     """
     count = len(comparison.sides) + added

@@ -84,7 +84,8 @@ def figures_named(names: Sequence[str]) -> list[FigureEntry]:
     return named("figure", names, {figure.name: figure for figure in FIGURES})
 
 
-# Figures that take seconds to minutes each. They are computed first, because otherwise cores would wait at the end.
+# Figures that take seconds to minutes each. These figures are computed first, because otherwise cores would wait at the
+# end.
 LONGEST = ("collapse", "softness", "spread", "B")
 
 

@@ -1,6 +1,7 @@
 """Figs. 1 and 2 of the paper, in which one bead hits four.
 
-They show positions and velocities, the comparison with the mode-coupling model, and oscillations of the inner contact.
+The figures show positions and velocities, the comparison with the mode-coupling model, and oscillations of the inner
+contact.
 """
 
 from __future__ import annotations
@@ -101,8 +102,8 @@ def history() -> Table:
     """Compute the oscillations of the inner contact.
 
     The first rows contain t, the force f12 and the slow solution (n-1)/n f01. Then there is one row for each exponent.
-    It contains 1/alpha, the number of turning points, the period, and the period of small oscillations about the slow
-    solution.
+    Such a row contains 1/alpha, the number of turning points, the period, and the period of small oscillations about
+    the slow solution.
     """
     end, alpha = _while_struck(SHOWN)
     found = full_motion(*soft_start(SIZE, alpha), end, 4001, 1e-10)
@@ -137,14 +138,14 @@ def draw_history(table: Table) -> Figure:
 
 UNTIL = 2.5  # End of Figs. 2a and 2b in units of time. The mode psi has returned to zero at 2.1.
 FIRST_TIME = 1e-16  # Left end of Fig. 2d in units of time.
-# Tolerance for Fig. 2d. Its logarithmic axes show all overlaps, and a tolerance of 1e-8 would make the deepest forces
-# jump by 0.8 %.
+# Tolerance for Fig. 2d. The logarithmic axes of the figure show all overlaps. A tolerance of 1e-8 would make the
+# deepest forces jump by 0.8 %.
 RISE_TOLERANCE = 1e-12
 FORCE_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 FORCE_SYMBOLS = tuple(f"$f_{{{i},{i + 1}}}$" for i in range(N))
-# Positions of the labels of Fig. 2d relative to the forces. They are chosen to avoid overlapping labels.
+# Positions of the labels of Fig. 2d relative to the forces. These positions avoid overlapping labels.
 LABEL_FACTORS = (1.35, 1.0, 0.87, 1.0)
-# Style of the grey band in Fig. 2c. It marks discrepancies below 1e-3, the accuracy that the paper states.
+# Style of the grey band in Fig. 2c. The band marks discrepancies below 1e-3, the accuracy that the paper states.
 ACCURACY_BAND = {"color": "0.93", "zorder": 0}
 
 

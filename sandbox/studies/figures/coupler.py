@@ -134,7 +134,7 @@ TOLERANCE = 1e-6
 def nearest() -> Table:
     """Compute n, alpha, the nearest V/v_c, and the difference of the velocities.
 
-    The difference is a root mean square, relative to the velocity of the striker. It is NaN beyond RATIOS.
+    The difference is a root mean square, relative to the velocity of the striker. The difference is NaN beyond RATIOS.
     """
     rows = []
     for n in SIZES:

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 TARGETS = 6
 CHAINS = 40  # Number of random chains of each kind, in addition to the homogeneous chain.
 SEED = 20100324
-WIDTH = 2.0  # Masses and strengths lie between 1/WIDTH and WIDTH. Their logarithms have a uniform distribution.
+# Masses and strengths lie between 1/WIDTH and WIDTH. The logarithms of these numbers have a uniform distribution.
+WIDTH = 2.0
 SOFT = 0.0  # Value of the column "kind" for soft chains.
 CRADLE = 1.0  # Value of the column "kind" for the usual cradle.
 SOFT_EXPONENTS = (1.0 / 50.0, 1.0 / 30.0)  # Range of the exponents in a soft chain.

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Exponents at which the spread is computed. They are close together because the curve is jagged.
+# Exponents at which the spread is computed. The exponents are close together because the curve is jagged.
 SPREAD_ALPHAS = tuple((1.0 / np.arange(24.0, 2.95, -0.1)).tolist())
 SPREAD_SIZES = (2, 3, 4)  # Numbers of targets for which the spread is computed.
 # Exponents for one on four, from rigid-like behaviour to the usual cradle. Steps of 0.1 in 1/alpha resolve the jagged
@@ -144,7 +144,7 @@ CURVE_WIDTHS = {2: 2.6, 3: 1.7, 4: 0.8}
 
 INSET_LIFT = 0.08  # Vertical distance between two curves in the inset.
 
-# Sample times as fractions of the striker's contact time. They are dense at both ends.
+# Sample times as fractions of the striker's contact time. The times are dense at both ends.
 FRACTIONS = np.concatenate(
     (np.linspace(0.001, 0.01, 40), np.linspace(0.01, 0.99, 400)[1:-1], np.linspace(0.99, 0.999, 40))
 )

@@ -1,6 +1,6 @@
 """Figures about the limit alpha -> 0 of Sec. IV.
 
-They show which quantities vanish, and the spread of velocities over n alpha. The spreads collapse on one curve.
+The figures show which quantities vanish, and the spread of velocities over n alpha. The spreads collapse on one curve.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def spreads() -> Table:
 def threshold(table: Table, n: int, column: str) -> float:
     """Return the value of `column` at which the spread of `n` targets last crosses THRESHOLD.
 
-    The value is interpolated between two samples. It is NaN if there is no crossing.
+    The value is interpolated between two samples. The result is NaN without a crossing.
     """
     points = rows_where(table, n=n)
     known = np.isfinite(points["spread"])

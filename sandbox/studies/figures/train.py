@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 SCENES = {"one on ten": "train-shunting", "five on ten": "train-cut"}
 DURATION = 2.8  # Duration of a simulation [s].
 SAMPLES = 1401
-PEAK_SAMPLES = 2801  # Number of samples for the envelopes. It is large because the impact on the solid stop is short.
+# Number of samples for the envelopes. The number is large because the impact on the solid stop is short.
+PEAK_SAMPLES = 2801
 STEP = 2e-4  # Time step for the envelopes [s]: a thousandth of an impact.
 KILO = 1e3
 # Impact speeds [m/s]. Wagons are usually shunted at up to 2 or 3 m/s.

@@ -1,6 +1,6 @@
 """Figures of Appendix A, (i) to (iii).
 
-They show a collision with striker and target exchanged, a cluster that hits a cluster, and a Hooke contact.
+The figures show a collision with striker and target exchanged, a cluster that hits a cluster, and a Hooke contact.
 """
 
 from __future__ import annotations

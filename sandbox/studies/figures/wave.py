@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 SPRING = hooke(400.0)
 SOFT = power_law(1.0, ALPHA)
-SOFT_PRESTRESS = 0.75  # Prestress of the soft cluster, a force. Its contacts stay closed all the time.
+SOFT_PRESTRESS = 0.75  # Prestress of the soft cluster, a force. The contacts of this cluster stay closed all the time.
 STEP = 1e-4  # Time step in units of time.
 SAMPLES = 1000
 PULSE_TARGETS = 30

@@ -25,7 +25,7 @@ from softcradle.scenes.scene_errors import SceneError
 
 Progress = Callable[[str, int, int], None]
 
-# Value of a goal for a scene that cannot be computed. It is larger than any measure.
+# Value of a goal for a scene that cannot be computed. This value is larger than any measure.
 IMPOSSIBLE = 1e30
 # Members of a generation for each free value, and the smallest and largest size of a generation. SciPy's default is 15
 # members for each value.
@@ -40,7 +40,7 @@ REFINEMENTS = 60
 STARTS = 8
 # A stated value counts as reached if the remaining difference, relative to the value, is at most this.
 REACHED = 1e-6
-# Step of a coordinate for finite differences. It is used for goals with a stated value.
+# Step of a coordinate for finite differences. This step is used for goals with a stated value.
 STEP = 1e-4
 
 
@@ -330,7 +330,7 @@ def _groups(scene: Scene, free: Sequence[str]) -> list[int]:
 
 
 def _reached(scene: Scene, search: _Search, before: Array, first: Array) -> SceneDesign:
-    """Return the design whose measures have the stated values. Its errors follow from the stated ranges."""
+    """Return the design whose measures have the stated values. The errors of the design follow from the stated ranges."""
     from scipy.optimize import least_squares
     from scipy.stats import qmc
 

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.studies.fitting.parameters import FreeValue
 
-# Error bar of a coordinate from which on its value counts as undetermined. It is relative for positive values, and in
-# units of the scale for other values. For larger errors, linear error propagation is not a good approximation.
+# Error bar of a coordinate from which on its value counts as undetermined. The error bar is relative for positive
+# values, and in units of the scale for other values. For larger errors, linear error propagation is not a good
+# approximation.
 WIDE = 0.4
 # Limit of the singular values of the Jacobian after its columns were scaled to norm 1. If one is smaller, the free
 # values are not separately determined. The errors of the finite differences are of this size.

@@ -1,4 +1,4 @@
-"""Figure of a fit. It shows data and fit of each quantity over time, and the residuals below."""
+"""Figure of a fit. The figure shows data and fit of each quantity over time, and the residuals below."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ class SceneFit:
     table: MeasuredTable
 
     def plot(self) -> Figure:
-        """Return a figure with data, fit and residuals. It requires the optional dependencies [figures]."""
+        """Return a figure with data, fit and residuals. The figure requires the optional dependencies [figures]."""
         from softcradle.sandbox.studies.fitting.fit_figure import draw_fit
 
         return draw_fit(self)
@@ -235,7 +235,7 @@ def fit(
 
 
 def _thinned(table: MeasuredTable, problem: _Problem) -> MeasuredTable:
-    """Return evenly spaced rows of the table. They are sufficient for the search of a minimum."""
+    """Return evenly spaced rows of the table. These rows are sufficient for the search of a minimum."""
     fewest = max(SEARCH_ROWS, 8 * len(problem.free))
     if table.time.size <= 2 * fewest:
         return table
@@ -311,7 +311,9 @@ class _Problem:
         return self.model.free.values
 
     def residuals(self, z: Array) -> Array:
-        """Return the weighted residuals at the coordinates `z`. They are large if the scene cannot be computed."""
+        """Return the weighted residuals at the coordinates `z`. The residuals are large if the scene cannot be
+        computed.
+        """
         try:
             predicted = self.model.predicted(self.model.free.outer(z))
         except ValueError as error:
@@ -417,7 +419,8 @@ class _Problem:
         for k, draw in enumerate([*draws]):
             z = box[:, 0] + draw * (box[:, 1] - box[:, 0])
             values = model.free.outer(z)
-            # Most starts take the velocities from the data. The other starts keep their own, in case the data mislead.
+            # Most starts take the velocities from the data. The other starts keep their random velocities, in case the
+            # data mislead.
             if k % 4:
                 values = model.with_slopes(values, paths)
             try:

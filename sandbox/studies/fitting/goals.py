@@ -74,8 +74,8 @@ def _of_bead(each: Callable[[Array, Array], Array]) -> Callable[[Run], Array]:
     return values
 
 
-# Measures of beads at the end of a simulation that the table of measures does not contain. Each has a unit and a
-# function of a Run.
+# Measures of beads at the end of a simulation that the table of measures does not contain. Each measure has a unit and
+# a function of a Run.
 BEAD_MEASURES: dict[str, tuple[str, Callable[[Run], Array]]] = {
     "momentum": ("N s", _of_bead(lambda mass, velocity: mass * velocity)),
     "velocity": ("m/s", _of_bead(lambda mass, velocity: velocity)),
@@ -95,7 +95,7 @@ def _values(name: str, run: Run) -> Any:
 def peak_forces(run: Run) -> Array:
     """Return the largest force [N] of each contact during a simulation.
 
-    It is computed from the interpolated largest overlap.
+    The force is computed from the interpolated largest overlap.
     """
     found = collide(run.start.chain, run.start.velocity, samples=SAMPLES, run=solve, **run.start.settings)
     run.sampled = found

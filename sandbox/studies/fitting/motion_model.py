@@ -1,4 +1,4 @@
-"""Model of a fit. It predicts the data from the free values with `solve`."""
+"""Model of a fit. The model predicts the data from the free values with `solve`."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class MotionModel:
 
     @property
     def tolerance(self) -> float:
-        """Tolerance of the simulations. It is TOLERANCE if the scene does not set a tolerance."""
+        """Tolerance of the simulations. The tolerance is TOLERANCE if the scene does not set a tolerance."""
         return float(self.settings.get("tolerance", TOLERANCE))
 
     def start_time(self, values: Sequence[float]) -> float:

@@ -84,8 +84,8 @@ def observations(
 ) -> list[Observation]:
     """Return the columns of `table` that a fit uses, each with its bead or contact.
 
-    Without `quantities`, the fit uses the forces and the positions. It uses velocities if there are no positions. The
-    mapping `columns` gives the place of columns by name, such as "position 0". If it is given, only its columns are
+    Without `quantities`, the fit uses the forces and the positions. If positions are missing, the fit uses velocities.
+    The mapping `columns` gives the place of columns by name, such as "position 0". If it is given, only its columns are
     used. Raise StudyError if the place of a column is unclear.
     """
     if columns:

@@ -213,7 +213,7 @@ def _limits(field: FieldInfo | None, name: str) -> tuple[float, float, bool]:
 
 
 def _constraints(annotation: Any) -> Iterator[Any]:
-    """Yield the limits in the annotation of a field. They include the limits of the items of a list."""
+    """Yield the limits in the annotation of a field. The results include the limits of the items of a list."""
     if isinstance(annotation, FieldInfo):
         yield from annotation.metadata
         yield from _constraints(annotation.annotation)

@@ -15,24 +15,26 @@ Array = NDArray[np.float64]
 
 # Error levels at which methods are compared. The errors are those of final velocities, relative to the closing speed.
 ERROR_LEVELS = (1e-3, 1e-6, 1e-9)
-REFERENCE_TOLERANCE = 1e-12  # Tolerance of the method scipy. Its result is the true result if it reaches the end.
-REFERENCE_STEPS = 100_000  # Largest number of steps of the method scipy. They take half a minute.
-TRUTH_TOLERANCE = 1e-12  # Tolerance of radau. Its result is the true result if no better result is known.
-# Tolerance of accurate. Its difference from the true result is the uncertainty of the true result.
+# Tolerance of the method scipy. The result of scipy is the true result if this method reaches the end.
+REFERENCE_TOLERANCE = 1e-12
+REFERENCE_STEPS = 100_000  # Largest number of steps of the method scipy. These steps take half a minute.
+TRUTH_TOLERANCE = 1e-12  # Tolerance of radau. The result of radau is the true result if no better result is known.
+# Tolerance of accurate. The difference of accurate from the true result is the uncertainty of the true result.
 CHECK_TOLERANCE = 3e-12
-# Other integrators cannot detect the end of a collision. Their duration is the true duration times this factor.
+# Other integrators cannot detect the end of a collision. The duration of these integrators is the true duration times
+# this factor.
 PEER_MARGIN = 1.001
 # Number of sample times at which forces and overlaps are compared, in the first closing of the struck contact.
 SAMPLE_COUNT = 64
 
-# Final velocities of one on 4 with alpha = 1/10. They were computed with Taylor series in quadruple precision; see
-# tests/helpers/data/README.md.
+# Final velocities of one on 4 with alpha = 1/10. The velocities were computed with Taylor series in quadruple
+# precision; see tests/helpers/data/README.md.
 ONE_ON_FOUR = (
     -0.56758562476547303918, 0.17392146672861098151, 0.4540787148354326006, 0.46978361268000769326,
     0.4698018305214217638,
 )  # fmt: skip
-# Final velocities of one on 10 with alpha = 1/30, which SciPy cannot solve. They were computed by collocation in
-# extended precision with `reference_end` of benchmarks/scan.
+# Final velocities of one on 10 with alpha = 1/30, which SciPy cannot solve. The velocities were computed by collocation
+# in extended precision with `reference_end` of benchmarks/scan.
 ONE_ON_TEN = (
     -0.7832546035595891, -0.06730576344112452, 0.1695828240424023, 0.2067366104888179, 0.21042330395979278,
     0.21063308123078361, 0.21063690197294313, 0.21063691127543868, 0.21063691134291795, 0.2106369113437304,
@@ -86,8 +88,8 @@ class ChartCase:
         return float(np.ptp(self.velocity)) or 1.0
 
     def error(self, velocity: Array) -> float:
-        """Return the largest error of a final velocity, relative to the closing speed. It is infinite if a velocity is
-        NaN.
+        """Return the largest error of a final velocity, relative to the closing speed. The error is infinite if a
+        velocity is NaN.
         """
         error = float(np.abs(velocity - self.truth).max() / self.closing_speed)
         return error if np.isfinite(error) else np.inf
@@ -124,8 +126,8 @@ class ChartCase:
     def starts(self, lead_times: Sequence[float]) -> list[Start]:
         """Return copies of the case that start earlier by each of `lead_times` [s]. All have the same end.
 
-        The case must begin with free flight. If it does not, return only the case itself. This happens if an external
-        force acts, or if a contact would have pushed or pulled earlier.
+        The case must begin with free flight. If it does not, return only the case itself. The beads do not begin in
+        free flight if an external force acts, or if a contact would have pushed or pulled earlier.
         """
         rate, gap = -np.diff(self.velocity), np.array(self.chain.gap)
         gaps = gap + np.outer(lead_times, rate)

@@ -32,7 +32,8 @@ WIDTH = 13.0  # Width of the chart [inches].
 ROW_HEIGHT = 4.3  # Height of the row of panels of one case [inches].
 SMALLEST_ERROR = 1e-12  # Error at the lower edge of a panel.
 EXACT = 1.3 * SMALLEST_ERROR  # Points with an error below SMALLEST_ERROR are drawn at this error.
-ROUND_OFF = 1e-14  # Assumed uncertainty of a true result that is known exactly. It is used for fitted orders.
+# Assumed uncertainty of a true result that is known exactly. The uncertainty is used for fitted orders.
+ROUND_OFF = 1e-14
 LABEL_HEIGHT = 0.042  # Height of a label as a fraction of the height of a panel.
 LABEL_COLUMN = 1.06  # Left end of the labels as a fraction of the width of a panel.
 COSTS = (("seconds", "wall time of the solver [s]"), ("evaluations", "evaluations of all contact forces"))
@@ -43,7 +44,7 @@ ERROR_LABELS = {
 }
 
 # Markers of the curves. Our methods have filled markers and solid lines. Other integrators have hollow markers and
-# broken lines. They can therefore be distinguished without colour.
+# broken lines. The two groups can therefore be distinguished without colour.
 MARKERS = "osD^vPX*p<>hd8H"
 OUR_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, RED, SKY, BLACK, "#8c6d31", GREY, "#6a0dad")
 PEER_COLOURS = (

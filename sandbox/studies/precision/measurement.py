@@ -1,6 +1,7 @@
 """Measurement of the error and the computing time of each solver.
 
-The settings run from coarse to fine. They end when a solver is accurate enough or has used up its time.
+The settings run from coarse to fine. The series of settings ends when a solver is accurate enough or has used up its
+time.
 """
 
 import math
@@ -27,7 +28,8 @@ Array = NDArray[np.float64]
 NO_SAMPLES = np.zeros(0)  # Sample times if only final velocities are compared.
 FEWEST_STEPS = 30  # Number of steps in the coarsest simulation of a fixed-step method.
 MOST_STEPS = 8e6  # Number of steps in the finest simulation of a fixed-step method.
-# Number of lead times over which the error of a fixed-step method is averaged. They are uniform over one step.
+# Number of lead times over which the error of a fixed-step method is averaged. The lead times are uniform over one
+# step.
 START_PHASES = 4
 PACKAGES = ("softcradle", "numba", "numpy", "scipy", "pymunk")
 
@@ -91,7 +93,7 @@ def tolerances(finest: float = 1e-12) -> list[float]:
 
 
 def step_counts() -> list[float]:
-    """Return the numbers of steps. Each is twice the previous number."""
+    """Return the numbers of steps. Each number is twice the previous number."""
     return [FEWEST_STEPS * 2.0**k for k in range(1 + int(np.log2(MOST_STEPS / FEWEST_STEPS)))]
 
 
@@ -180,7 +182,7 @@ class ChartPoint:
 
 @dataclass(frozen=True)
 class Series:
-    """Measured points of one solver from coarse to fine. It records if a time limit ended the series."""
+    """Measured points of one solver from coarse to fine. The object records if a time limit ended the series."""
 
     solver: Solver
     points: list[ChartPoint]

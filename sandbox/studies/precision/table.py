@@ -45,7 +45,7 @@ def frontier(series: Sequence[Series], cost: str = "seconds") -> list[ChartPoint
 def fastest(series: Sequence[Series], error: float) -> ChartPoint | None:
     """Return the fastest point that reaches `error`.
 
-    Its next finer point must also reach the error, because a single error may be small by chance.
+    The next finer point must also reach the error, because a single error may be small by chance.
     """
     reaching = [
         point
@@ -64,7 +64,7 @@ def most_exact(series: Sequence[Series]) -> Series:
 def fitted_order(series: Series, uncertainty: float) -> float | None:
     """Return the order p of error ~ fineness**p, where the fineness is the step or tolerance.
 
-    It is None if there are fewer than 3 valid points.
+    The order is None if there are fewer than 3 valid points.
     """
     points = [point for point in series.points if ORDER_MARGIN * uncertainty < point.error < LARGEST_ORDER_ERROR]
     if len(points) < 3:
@@ -98,8 +98,8 @@ class CurveRow:
     out_of_time: bool
 
     def seconds(self, level: int) -> float:
-        """Return the time to reach the error level with the index `level`. It is infinite if the curve does not reach
-        it.
+        """Return the time to reach the error level with the index `level`. The time is infinite if the curve does not
+        reach it.
         """
         point = self.fastest[level]
         return math.inf if point is None else point.seconds
@@ -130,7 +130,7 @@ def fastest_row(rows: Sequence[CurveRow], ours: bool, level: int) -> CurveRow | 
 def ratio(rows: Sequence[CurveRow], level: int) -> float | None:
     """Return the time of the fastest other integrator, divided by the time of our fastest method.
 
-    It is infinite if only our methods reach the error level, and None if our methods do not reach it.
+    The ratio is infinite if only our methods reach the error level, and None if our methods do not reach it.
     """
     mine, peer = fastest_row(rows, True, level), fastest_row(rows, False, level)
     if mine is None:
@@ -158,7 +158,7 @@ def ratio_sentence(rows: Sequence[CurveRow]) -> str:
 def auto_sentence(rows: Sequence[CurveRow]) -> str:
     """Return a sentence with the time of `auto`, divided by the time of our fastest method, for each error level.
 
-    It is empty if `auto` was not measured.
+    The sentence is empty if `auto` was not measured.
     """
     auto = next((row for row in rows if row.name == AUTO), None)
     if auto is None:

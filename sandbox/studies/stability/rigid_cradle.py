@@ -1,4 +1,5 @@
-"""Cradle with the rigid contacts of pymunk and elasticity 1. It neither conserves energy nor behaves like soft beads.
+"""Cradle with the rigid contacts of pymunk and elasticity 1. Such a cradle neither conserves energy nor behaves like
+soft beads.
 
 The results were measured with pymunk 7.3. The energy depends on the step, and decreases in all cases. For any step, if
 one ball hits, only the last ball leaves. Touching soft contacts do not have this limit.

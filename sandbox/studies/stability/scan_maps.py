@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Colours of the results holds, error, chatter and blow-up. They can be distinguished in grey.
+# Colours of the results holds, error, chatter and blow-up. The colours can be distinguished in grey.
 COLOURS = ("#e4eef3", "#f2c14e", "#d1495b", "#4a1d4f")
 MEANINGS = (
     "holds its error",
@@ -161,7 +161,7 @@ def _dot(axes: Axes, run: ScanRun, across: int, up: int) -> None:
 
 
 def _letter(axes: Axes, run: ScanRun, across: int, up: int) -> None:
-    """Draw the first letter of the failure. It is red if the simulation gave no warning."""
+    """Draw the first letter of the failure. The letter is red if the simulation gave no warning."""
     colour = "white" if run.warned else RED
     letter = str(run.failure)[0]
     axes.text(across, up, letter, fontsize=4.5, ha="center", va="center", color=colour, fontweight="bold")

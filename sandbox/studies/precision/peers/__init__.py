@@ -55,7 +55,7 @@ def peer_distributions() -> list[str]:
 def peer_solvers(case: ChartCase) -> list[Solver]:
     """Return the solvers of every installed integrator that can solve the case.
 
-    They can solve power laws and a steady external force without dissipation.
+    These integrators can solve power laws and a steady external force without dissipation.
     """
     chain = case.chain
     if chain.dissipative or chain.timed or chain.piecewise or chain.own_laws or not _numba_compiles():

@@ -100,7 +100,7 @@ def _by_hand(case: ChartCase, steps: float, start: Start, sample_times: Array) -
 
 
 def cyrk(case: ChartCase) -> list[Solver]:
-    """Return one curve for each method. Its points scan ratios of the absolute tolerances."""
+    """Return one curve for each method. The points of a curve scan ratios of the absolute tolerances."""
     return [
         Solver(f"CyRK {method}", f"overlaps {ratio:g}", tolerances(), partial(_cyrk, case, method, ratio))
         for method in CYRK_METHODS
@@ -310,9 +310,9 @@ def _sundae(
     return solution_of(case, states, sample_times, seconds, counter[0])
 
 
-# diffrax: jax compiles it for each number of contacts. The compilation takes four seconds, which do not count. Its
-# other solvers were tried on one on 4 at alpha = 1/10. They take 20 times (Dopri8) to 100 times (Kvaerno5) as long as
-# Tsit5.
+# diffrax: jax compiles it for each number of contacts. The compilation takes four seconds, which do not count. The
+# other solvers of diffrax were tried on one on 4 at alpha = 1/10. The other solvers take 20 times (Dopri8) to 100 times
+# (Kvaerno5) as long as Tsit5.
 
 
 def diffrax(case: ChartCase) -> list[Solver]:

@@ -1,6 +1,7 @@
 """Code that the other integrators share.
 
-It contains the compiled right-hand side for overlaps and rates, and the conversion of these variables to a Solution.
+This module contains the compiled right-hand side for overlaps and rates, and the conversion of these variables to a
+Solution.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ def output_times(case: ChartCase, sample_times: Array) -> Array:
 def parameter_array(case: ChartCase, counter: Array) -> Array:
     """Return the (2 + 3n + n+1 + n+1,) parameters of the compiled right-hand side.
 
-    They are the number of contacts, the address of `counter` (1,), the contact laws, the inverse masses and the drive.
+    The parameters are the number of contacts, the address of `counter` (1,), the contact laws, the inverse masses and
+    the drive.
     """
     law, inverse_mass = case.chain.power_law_rows, case.chain.inverse_mass
     drive = np.zeros(inverse_mass.size) if case.chain.drive_force is None else case.chain.drive_force
