@@ -31,7 +31,7 @@ OPEN, TOUCHING, PRESSED, HELD, RELEASED = 0, 1, 2, 3, 4
 LEAST = np.finfo(Extended).tiny  # Smallest overlap at which a slope is evaluated [m].
 # Largest number of Newton iterations for a convex equation. The start differs from the root by at most log 2.
 RESOLVENT_ITERATIONS = 9
-# The iteration stops if the change of the logarithm is below this. The next change would be its square.
+# The iteration stops if the change of the logarithm is below this limit. The next change would be its square.
 SETTLED = 1e-10
 BACKWARD, STICKS, FORWARD = -1, 0, 1
 
@@ -116,7 +116,7 @@ class Rows:
     def of_contacts(self, joints: Array, origin: bool = False) -> Array:
         """Return the values (..., m) of the contacts for differences (..., n) of neighbouring beads.
 
-        If `origin` is True, the origin of each contact is subtracted. Overlaps need this.
+        If `origin` is True, the origin of each contact is subtracted. Overlaps require this subtraction.
         """
         found: Array = joints[..., self.joint] - self.origin if origin else joints[..., self.joint]
         return self.side * found

@@ -299,8 +299,8 @@ def solved(rows: Rows, rule: Double, primal: Double, dual: Double, right: Double
     """Return the (s, p) changes of places on the graphs of p constraints at s stages.
 
     The result is NaN if the equations have no solution. The equations state that `right` (s, p) equals the change of a
-    constraint at a stage. This change has two parts. The first is `primal` (s, p) times the constraint's own change of
-    place. The second is the effect of the changes `dual` (s, p) of all constraints through their response and the
+    constraint at a stage. This change has two parts. The first part is `primal` (s, p) times the constraint's own change of
+    place. The second part is the effect of the changes `dual` (s, p) of all constraints through their response and the
     `rule` (s, p, s) of the stage.
     """
     if _is_determined(rows, primal):

@@ -1,6 +1,6 @@
 """Figures about the rigidity of a struck cluster, its limits, and the accuracy of Eq. (7).
 
-The first is Fig. 3 of the letter that the paper cites.
+The first figure is Fig. 3 of the letter that the paper cites.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ CONVERGED = 1e-4
 REFINEMENTS = 60
 # Number of starts of a search for stated values, if the first start does not reach them.
 STARTS = 8
-# A stated value counts as reached if the remaining difference, relative to the value, is at most this.
+# A stated value counts as reached if the remaining difference, relative to the value, is at most this number.
 REACHED = 1e-6
 # Step of a coordinate for finite differences. This step is used for goals with a stated value.
 STEP = 1e-4

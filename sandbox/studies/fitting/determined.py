@@ -19,11 +19,11 @@ WIDE = 0.4
 # values are not separately determined. The errors of the finite differences are of this size.
 SMALLEST_SINGULAR = 1e-5
 # The data may leave one direction of the coordinates undetermined. A value is named in the statement about this
-# direction if its component, relative to the largest component, is at least this.
+# direction if its component, relative to the largest component, is at least this number.
 PART = 0.1
 # Correlation from which on two values are reported as determined together.
 STRONG = 0.99
-# A value lies on a bound if its distance from the bound is at most this, in error bars or relative to the coordinate.
+# A value lies on a bound if its distance from the bound is at most this number, in error bars or relative to the coordinate.
 ON_BOUND = 1e-3
 # Residuals are not random if the autocorrelation of neighbouring residuals exceeds this multiple of its standard
 # deviation. The standard deviation is that of random residuals.

@@ -31,7 +31,7 @@ Progress = Callable[[str, int, int], None]
 STEP = 1e-4
 # Largest number of iterations of a local search, first while starts are compared, then for the result.
 ITERATIONS_OF_A_START, ITERATIONS = 15, 100
-# A local search ends if the relative changes of the sum of squares and of the coordinates are below this.
+# A local search ends if the relative changes of the sum of squares and of the coordinates are below this limit.
 CONVERGED = 1e-10
 # Number of starts of an automatic search whose sums of squares are compared, and number of local searches from the best
 # starts.
