@@ -1,4 +1,6 @@
-"""Axes of charts: a vertical axis with its ticks, and the code that writes titles, tick labels and names of curves."""
+"""Axes of charts. The module contains the vertical axis with its ticks. It also writes titles, tick labels and the
+names of curves.
+"""
 
 import math
 from collections.abc import Sequence
@@ -13,10 +15,11 @@ from softcradle.sandbox.motion import Array
 from softcradle.sandbox.story.numbers import axis_prefix, decades, spread, ticks, with_prefix
 
 TEXT = 13.0  # Size of all text of a chart [design pixels].
-LINE = 14.0  # Smallest distance between tick labels, and between names of curves [design pixels].
+LINE = 14.0  # Smallest vertical distance between two tick labels or two names of curves [design pixels].
 MARKER_RADIUS = 3.6  # Radius of a marker [design pixels].
-LEADER = 9.0  # Width of the line that leads from a curve to its name [design pixels].
-# Length by which a title may be wider than the axes [design pixels]. The tick labels of the next chart begin there.
+LEADER = 9.0  # Width of the line that connects a curve with its name [design pixels].
+# Length by which a title may be wider than the axes [design pixels]. Beyond this length, it would reach the tick labels
+# of the next chart.
 OVERHANG = 40.0
 
 
@@ -29,7 +32,7 @@ class VerticalAxis:
         low, high: values at the ends of the axis; exponents of ten if the axis is logarithmic.
         ticks: (value, label) of each tick.
         logarithmic: True if the axis shows the decimal logarithm of values.
-        size, prefix: size and prefix of the unit in which the tick labels are written: 1e3 and "k" for kN.
+        size, prefix: size and prefix of the unit of the tick labels. They are 1e3 and "k" if the unit is kN.
     """
 
     title: str
@@ -43,8 +46,8 @@ class VerticalAxis:
     def on(self, values: Array) -> Array:
         """Return the coordinates of `values` on the axis.
 
-        On a logarithmic axis they are decimal logarithms. Values below the axis, 0 included, are put one decade below
-        its lower end.
+        On a logarithmic axis the coordinates are decimal logarithms. Values below the lower end of the axis, including
+        0, are put one decade below this end.
         """
         if not self.logarithmic:
             return values
@@ -53,9 +56,9 @@ class VerticalAxis:
 
 
 def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) -> list[tuple[float, str]]:
-    """Return every k-th of evenly spaced ticks, with the smallest k that keeps them `gap` pixels apart.
+    """Return every k-th of the evenly spaced `ticks`. k is the smallest number that keeps the ticks `gap` pixels apart.
 
-    `scale` is the number of pixels per unit; it is negative for an axis that points down. The tick at 0 is kept.
+    `scale` is the number of pixels per unit. It is negative for an axis that points down. The tick at 0 is always kept.
     """
     if len(ticks) < 2:
         return list(ticks)
@@ -65,8 +68,8 @@ def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) ->
 
 
 def linear_axis(title: str, low: float, high: float) -> VerticalAxis:
-    """Return an axis from `low` to `high` with round ticks. Large numbers are written in a larger unit, which the title
-    names.
+    """Return an axis from `low` to `high` with round tick values. Large numbers are written in a larger unit, and the
+    title of the axis contains this unit.
     """
     size, prefix = axis_prefix(max(abs(low), abs(high)))
     marks = tuple((value * size, text) for value, text in ticks(low / size, high / size, 5))
@@ -100,14 +103,16 @@ class Axes:
         self.area = pygame.Rect((rect.left + left, rect.top + top), size)
 
     def y(self, place: Array) -> Array:
-        """Return the distance [pixels] of a coordinate from the top of the axes; coordinates beyond the axis are put
-        just outside.
+        """Return the distance [pixels] between a coordinate and the top of the axes. Coordinates beyond the ends of the
+        axis are put just outside it.
         """
         share = np.clip((place - self.axis.low) / (self.axis.high - self.axis.low), -0.1, 1.1)
         return (self.area.height - 1) * (1.0 - share)
 
     def levels(self) -> list[tuple[int, Colour]]:
-        """Return the vertical position [pixels] and the colour of the grid line at each tick of the vertical axis."""
+        """Return the vertical position [pixels] and the colour of each horizontal grid line. Each tick of the vertical
+        axis has one grid line.
+        """
         zero = tones.grid if self.axis.logarithmic else tones.faint
         return [
             (round(float(self.y(np.array(place)))), zero if place == 0.0 else tones.grid)
@@ -134,7 +139,7 @@ class Axes:
         return [y for y, _text in shown]
 
     def write_across(self, surface: pygame.Surface, labels: Sequence[tuple[float, str]], name: str, end: int) -> None:
-        """Write the labels of the horizontal axis at their pixels, and the name of the axis so that it ends at the
+        """Write the labels of the horizontal axis at their pixels. Write the name of the axis so that it ends at the
         pixel `end`.
         """
         unit, area, size = self.unit, self.area, TEXT * self.unit
@@ -153,10 +158,10 @@ class Axes:
         names: Sequence[str],
         colours: Sequence[Colour],
     ) -> None:
-        """Write the name and the marker of each curve at pixel `x`, at the `heights` of the curves.
+        """Write the name and the marker of each curve at pixel `x`. `heights` are the vertical positions of the curves.
 
-        Names that would overlap are moved apart, and a line leads from the curve to a moved name. Names that do not fit
-        are omitted.
+        Names that would overlap are moved apart. A line connects a moved name with its curve. Names without enough
+        space are omitted.
         """
         unit, written = self.unit, -math.inf
         places = spread(list(heights), LINE * unit, 2.0 * unit, self.area.height - 4.0 * unit)
@@ -170,8 +175,8 @@ class Axes:
                 write(surface, names[k], place, TEXT * unit, tones.foreground, align=(0, 0.5))
 
     def mark(self, surface: pygame.Surface, x: float, heights: Sequence[float], colours: Sequence[Colour]) -> None:
-        """Draw a marker at pixel `x` for each of `heights` (pixels below the top of the axes); the first marker is on
-        top.
+        """Draw a marker at pixel `x` for each of the `heights`, in pixels below the top of the axes. The first marker
+        covers the others.
         """
         for k in range(len(heights) - 1, -1, -1):
             if 0.0 <= heights[k] <= self.area.height:

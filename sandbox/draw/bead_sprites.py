@@ -1,4 +1,6 @@
-"""Sprites of a bead, a draft gear (cylinder and piston), a wagon, a wall and the number of a bead."""
+"""Sprites of bodies: a bead, a draft gear with cylinder and piston, a wagon and a wall. The number on a bead has a
+sprite as well.
+"""
 
 import math
 
@@ -9,11 +11,13 @@ from softcradle.sandbox.draw.supersampling import SUBPIXELS, Sprites, make_sprit
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 from softcradle.sandbox.draw.text import write
 
-# Opacity of a bead in a magnified inset, of 255. Two overlapping beads show both outlines and a darker lens between them.
+# Opacity of a bead in a magnified inset, from 0 to 255. If two beads overlap, both outlines remain visible. The overlap
+# is a darker lens between the beads.
 BEAD_OPACITY = 212
-# Number of discs of the shading of a ball, share of black at its rim, and share of white at its highlight.
+# Settings of the shading of a ball: the number of discs, the share of black at the rim, and the share of white at the
+# highlight.
 SHADES, SHADOW, HIGHLIGHT = 18, 0.2, 0.3
-# Place of the highlight of a ball, relative to its centre and in radii.
+# Position of the highlight of a ball relative to the centre of the ball, as a fraction of the radius.
 LIGHT = (-0.28, -0.34)
 PLATE_LENGTH = 0.055  # Thickness of the plate at the end of a piston, as a fraction of the length of the draft gear.
 
@@ -25,8 +29,9 @@ def outline_colour(colour: Colour) -> Colour:
 
 @cached_surfaces(24)
 def bead_sprite(diameter: float, colour: Colour, core: float) -> Sprites:
-    """Draw a shaded ball with a dark core of radius `core`, relative to the ball (0 to 1). The core shows the mass of the
-    bead.
+    """Draw a shaded ball with a dark core. The size of the core shows the mass of the bead.
+
+    `core` is the radius of the core, relative to the radius of the ball (0 to 1).
     """
     side = math.ceil(diameter)
 
@@ -42,7 +47,7 @@ def bead_sprite(diameter: float, colour: Colour, core: float) -> Sprites:
 
 
 def _shaded_disc(fine: pygame.Surface, colour: Colour, centre: tuple[float, float], radius: float) -> None:
-    """Draw a disc that is dark at its rim and light at its highlight, like a ball in the light."""
+    """Draw a disc that looks like an illuminated ball. It is dark at its rim and bright at its highlight."""
     for k in range(SHADES):
         share = k / (SHADES - 1)
         if share < 0.4:
@@ -53,7 +58,8 @@ def _shaded_disc(fine: pygame.Surface, colour: Colour, centre: tuple[float, floa
         pygame.draw.circle(fine, tint, place, (1.0 - 0.85 * share) * radius)
 
 
-# Heights of the floor and of the hood of a locomotive, and radius of a wheel, as fractions of the height of a wagon.
+# Heights of the floor and of the hood of a locomotive, and the radius of a wheel. All three are fractions of the height
+# of a wagon.
 FLOOR, HOOD, WHEEL = 0.80, 0.36, 0.15
 
 
@@ -90,7 +96,7 @@ def wagon_sprite(length: float, height: float, colour: Colour, locomotive: bool)
 
 @cached_surfaces(16)
 def cylinder_sprite(length: float, height: float, colour: Colour) -> Sprites:
-    """Draw the cylinder of a draft gear, with its annular head on the right."""
+    """Draw the cylinder of a draft gear. The head of the cylinder is a ring on the right."""
     wide, tall = CYLINDER_LENGTH * length, CYLINDER_HEIGHT * height
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -107,8 +113,8 @@ def cylinder_sprite(length: float, height: float, colour: Colour) -> Sprites:
 
 @cached_surfaces(6)
 def piston_sprite(length: float, height: float) -> Sprites:
-    """Draw the rod and the plate of a draft gear. The plate is at the right edge; the cylinder later covers the left
-    part.
+    """Draw the piston of a draft gear, which consists of a rod and a plate. The plate is at the right edge. The
+    cylinder is drawn later and covers the left part.
     """
     wide, tall = 0.5 * length, 0.44 * height
 
@@ -144,7 +150,7 @@ def wall_sprite(length: float, height: float) -> Sprites:
 def number_sprite(label: str, size: float, colour: Colour) -> Sprites:
     """Draw the number of a bead on a transparent square with sides of 3 * `size` pixels.
 
-    Numbers are separate sprites because they are drawn above all bodies.
+    Numbers have separate sprites because they are drawn after all bodies.
     """
     side = math.ceil(3 * size)
 

@@ -1,7 +1,7 @@
 """Appearance of bodies, computed without drawing.
 
 The module decides which contacts look like draft gears, how tall bodies are and which masses are written. It also
-computes the force of a rigid cluster, which a mark across a force bar shows.
+computes the force that a contact would carry in a rigid cluster. A mark across the force bar shows this force.
 """
 
 import itertools
@@ -14,18 +14,24 @@ from softcradle.sandbox.languages import _
 from softcradle.sandbox.story.bodies import HEAVY, is_gear
 from softcradle.sandbox.story.numbers import plain
 
-CYLINDER_LENGTH = 0.80  # Length of the cylinder, relative to the length of the draft gear. The piston takes the rest.
-CYLINDER_HEIGHT = 0.66  # Height of the cylinder, relative to the length of the draft gear.
+# Length of the cylinder of a draft gear, relative to the length of the gear. The rest of the length belongs to the
+# piston.
+CYLINDER_LENGTH = 0.80
+CYLINDER_HEIGHT = 0.66  # Height of the cylinder of a draft gear, relative to the length of the gear.
 WALL_HEIGHT = 1.2  # Height of a wall, relative to the length of a bead.
 EQUAL_MASSES = (
-    1.02  # Ratio of the largest to the smallest mass up to which beads look the same and their masses are not written.
+    # Largest ratio between the largest and the smallest mass at which all beads look the same and their masses are not
+    # written.
+    1.02
 )
 
 
 def solid_force(joint: Joint, force: float) -> float:
-    """Return the absolute force [N] above which the draft gear of a coupler is solid; infinity if it never is.
+    """Return the absolute force [N] above which the draft gear of a coupler is solid. Return infinity if the gear never
+    becomes solid.
 
-    The sign of `force` selects the gear: the gear that pushes for `force` >= 0, the gear that pulls for `force` < 0.
+    The sign of `force` selects the gear. If `force` >= 0, it is the gear for pushing forces, otherwise the gear for
+    pulling forces.
     """
     if not isinstance(joint, Coupler) or math.isinf(joint.travel):
         return math.inf
@@ -34,8 +40,8 @@ def solid_force(joint: Joint, force: float) -> float:
 
 
 def body_height(chains: Sequence[Chain]) -> float:
-    """Return the height of the tallest body of all `chains`, relative to the length of a bead. All lanes use it for
-    their common scale.
+    """Return the height of the tallest body of all `chains`, relative to the length of a bead. All lanes use this
+    height to compute their common scale.
     """
     if any(chain.walls for chain in chains):
         return WALL_HEIGHT
@@ -44,14 +50,17 @@ def body_height(chains: Sequence[Chain]) -> float:
 
 
 def locomotives(chain: Chain) -> tuple[bool, ...]:
-    """Return (n+1,) True for each body of a train that is drawn as a locomotive: the heaviest ones, if masses differ."""
+    """Return a tuple (n+1,) that is True for each body of a train that is drawn as a locomotive.
+
+    The heaviest bodies are locomotives. If all masses are equal, the train has no locomotive.
+    """
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     differ = max(finite) > EQUAL_MASSES * min(finite)
     return tuple(differ and math.isfinite(mass) and mass * EQUAL_MASSES > max(finite) for mass in chain.mass)
 
 
 def mass_labels(chain: Chain) -> tuple[str, ...]:
-    """Return a label with the mass for each bead, or an empty tuple if all masses look the same."""
+    """Return a label with the mass of each bead. Return an empty tuple if all masses are nearly equal."""
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     if max(finite) <= EQUAL_MASSES * min(finite):
         return ()
@@ -59,18 +68,18 @@ def mass_labels(chain: Chain) -> tuple[str, ...]:
     return tuple(f"{plain(mass / size)} {unit}" if math.isfinite(mass) else _("wall") for mass in chain.mass)
 
 
-# Two neighbours belong to one cluster if their velocities differ by less than this fraction of the largest difference
-# in the chain.
+# Largest difference between the velocities of neighbouring beads of one cluster. It is a fraction of the largest
+# difference between velocities in the chain.
 ALIKE = 1e-6
-# Gap, relative to the length of a bead, below which neighbours count as touching. Positions are sums, so they have
-# rounding errors.
+# Largest gap at which neighbouring beads count as touching, relative to the length of a bead. The gap need not be 0
+# because positions are sums with rounding errors.
 LEAST_GAP = 1e-9
 
 
 def cluster_ends(overlap: Sequence[float], velocity: Sequence[float], length: float) -> tuple[bool, ...]:
-    """Return (n,) True for each contact that separates two clusters before a collision.
+    """Return a tuple (n,) that is True for each contact that separates two clusters before a collision.
 
-    A contact separates clusters if it is open, or if its two beads have different velocities.
+    A contact separates two clusters if it is open, or if its two beads have different velocities.
 
     Arguments:
         overlap: (n,) overlaps [m].
@@ -85,8 +94,8 @@ def cluster_ends(overlap: Sequence[float], velocity: Sequence[float], length: fl
 
 
 def has_marks(ends: Sequence[bool]) -> bool:
-    """Return True if a bar can have a mark, that is if a cluster has two or more beads and a contact at which it is
-    struck.
+    """Return True if a force bar can have a mark. This requires a cluster of at least two beads that another body can
+    strike.
     """
     return len(ends) > 1 and any(ends) and not all(ends)
 
@@ -96,17 +105,18 @@ def rigid_forces(
 ) -> list[float]:
     """Return the (n,) force [N] that each contact would have if every cluster moved as one rigid body.
 
-    A cluster ends at the contacts marked in `ends` and at contacts that are open now. The force is 0 at these contacts
-    and inside a cluster with a wall.
+    Clusters are separated by the contacts that `ends` marks and by the contacts that are open now. The returned force
+    is 0 at these contacts. It is also 0 inside a cluster that contains a wall.
 
-    A rigid cluster has one acceleration. A contact inside it therefore transmits a share of the force at each end of
-    the cluster. The share is the fraction of the mass of the cluster beyond the contact, Eq. (5). The shares from the
-    two ends add up.
+    All beads of a rigid cluster have the same acceleration. A contact inside the cluster therefore transmits a share of
+    the force at each end of the cluster. The share is the mass beyond the contact divided by the mass of the cluster,
+    Eq. (5). The shares of both ends are added.
     """
     apart = [end or d < -LEAST_GAP * length for end, d in zip(ends, overlap, strict=True)]
     found = [0.0] * len(force)
     first = 0
-    for last in [*(i for i, end in enumerate(apart) if end), len(force)]:  # Beads `first` to `last` form one cluster.
+    # The beads from `first` to `last` form one cluster.
+    for last in [*(i for i, end in enumerate(apart) if end), len(force)]:
         whole = sum(mass[first : last + 1])
         left = force[first - 1] if first > 0 else 0.0
         right = force[last] if last < len(force) else 0.0
@@ -125,10 +135,11 @@ def visible_marks(
     length: float,
     least: float,
 ) -> list[float]:
-    """Return the (n,) forces [N] at which a mark is drawn, from :func:`rigid_forces`; 0 for contacts without a mark.
+    """Return the (n,) forces [N] at which a mark is drawn, or 0 for contacts without a mark. The forces come from
+    :func:`rigid_forces`.
 
-    A contact has a mark only if it carries more than `least` [N]. Without a bar, as behind the wave in a row of steel
-    balls, the mark would look like a missing bar.
+    A contact has a mark only if it carries more than `least` [N]. Contacts behind the wave in a chain of steel balls
+    have no visible bar. A mark would look there as if the bar were missing.
     """
     rigid = rigid_forces(mass, ends, overlap, force, length)
     return [

@@ -1,4 +1,6 @@
-"""Panels with curves over time. Axes and curves are drawn once; each frame shows the curves up to the cursor."""
+"""Panels with curves over time. The axes and the curves are drawn only once. Each frame shows the part of the curves
+before the cursor.
+"""
 
 from collections.abc import Sequence
 
@@ -10,15 +12,17 @@ from softcradle.sandbox.draw.supersampling import SUBPIXELS, draw_line
 from softcradle.sandbox.motion import Array
 from softcradle.sandbox.story.numbers import ticks, time_unit
 
-# Distances between the axes and the left, right, top and bottom edge of a panel, for labels, names and title [design
-# pixels].
+# Distances between the axes and the left, right, top and bottom edge of a panel [design pixels]. The labels, the names
+# of curves and the title are written in these margins.
 MARGINS = 46.0, 44.0, 24.0, 22.0
 LINE_WIDTH = 2.2  # Thickness of a curve [design pixels].
-MOST_LABELS = 10  # Largest number of curves that still get names and markers.
+# Largest number of curves with names and markers. If a panel has more curves, none of them has a name or a marker.
+MOST_LABELS = 10
 
 
 class Panel(Axes):
-    """Panel with curves over time. :meth:`draw_curves` draws them once, and :meth:`paint` shows them up to the cursor.
+    """Panel with curves over time. :meth:`draw_curves` draws the curves once. :meth:`paint` shows the part of the
+    curves before the cursor.
 
     Arguments:
         rect: rectangle of the panel [pixels].
@@ -44,19 +48,19 @@ class Panel(Axes):
         self.labelled = len(names) <= MOST_LABELS and len(names) * 0.75 * LINE * unit <= self.area.height
 
     def x(self, time: Array | float) -> Array:
-        """Return the distance [pixels] of `time` [s] from the left end of the axes."""
+        """Return the distance [pixels] between the position of `time` [s] and the left end of the axes."""
         share = (np.asarray(time, dtype=np.float64) - self.time[0]) / (self.time[1] - self.time[0])
         return share * (self.area.width - 1)
 
     def draw_curves(self, time: Array, values: Array) -> None:
-        """Draw the curves `values` (T, k) over `time` (T,). Each frame later shows a part of this drawing."""
+        """Draw the curves `values` (T, k) over `time` (T,). Each frame shows a part of this drawing."""
         self.curves = self._drawn(time, values, self.colours)
 
     def backdrop(self, surface: pygame.Surface, time: Array, values: Array, peaks: Array, ahead: float) -> None:
-        """Draw the axes, the title and the names of the curves, and all curves in pale colours.
+        """Draw the axes, the title and the names of the curves. Draw all curves in pale colours.
 
-        Each name is written at the height of the value of its curve in `peaks` (k,). `ahead` (0 to 1) is the strength
-        of the pale colours.
+        `peaks` (k,) contains one value of each curve. The name of the curve is written at the height of this value.
+        `ahead` (0 to 1) is the strength of the pale colours.
         """
         pale = [mix(tones.background, colour, ahead) for colour in self.colours]
         surface.blit(self._drawn(time, values, pale if ahead > 0.0 else ()), self.area)
@@ -69,7 +73,9 @@ class Panel(Axes):
             self.write_names(surface, self.area.right + 9 * self.unit, heights, self.names, self.colours)
 
     def paint(self, surface: pygame.Surface, time: float, values: Array) -> None:
-        """Show the curves up to the cursor at `time` [s], and a marker at the cursor for each of the `values` (k,)."""
+        """Show the part of the curves before the cursor at `time` [s]. Draw a marker at the cursor for each of the
+        `values` (k,).
+        """
         place = float(self.x(time))
         if not 0.0 <= place <= self.area.width:
             return
@@ -80,7 +86,7 @@ class Panel(Axes):
             self.mark(surface, self.area.left + place, self.y(self.axis.on(values)).tolist(), self.colours)
 
     def _drawn(self, time: Array, values: Array, colours: Sequence[Colour]) -> pygame.Surface:
-        """Return a surface with the grid and the curves. The first curve is drawn last, so it lies above the others."""
+        """Return a surface with the grid and the curves. The first curve is drawn last and therefore covers the others."""
         wide, high = self.area.size
         fine = pygame.Surface((wide * SUBPIXELS, high * SUBPIXELS), 0, 32)
         fine.fill(tones.background)
@@ -103,7 +109,7 @@ class Panel(Axes):
 
 
 def _thinned(across: Array, down: Array) -> list[tuple[float, float]]:
-    """Return the points of a curve; omit a point that falls on the same fine pixel as the point before."""
+    """Return the points of a curve. Omit each point that falls on the same fine pixel as the previous point."""
     moved = np.ones(len(across), dtype=bool)
     moved[1:] = (np.diff(np.floor(across)) != 0.0) | (np.diff(np.floor(down)) != 0.0)
     return list(zip(across[moved].tolist(), down[moved].tolist(), strict=True))

@@ -1,4 +1,6 @@
-"""Bars of energy and momentum with the part of each bead, and badges with the errors of both totals."""
+"""Bars of energy and momentum that show the part of each bead. Badges show the errors of the total energy and the total
+momentum.
+"""
 
 import math
 from collections.abc import Sequence
@@ -13,10 +15,11 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.story.numbers import scientific
 from softcradle.sandbox.story.verdict import GOOD, level_of
 
-# Titles of the energy bar and of the momentum bar. The longest title that fits is used.
+# Possible titles of the energy bar and of the momentum bar, starting with the longest. The longest title that fits is
+# used.
 ENERGY_TITLES = (N_("energy: motion of each bead, stored in contacts"), N_("energy, stored in contacts"), N_("energy"))
-ABSORBED = N_("absorbed")  # Name of the energy that contacts with loss and the bed absorb.
-KEY_WIDTH = 14.0  # Room for the coloured square that follows a word [design pixels].
+ABSORBED = N_("absorbed")  # Name of the energy that the friction bed and contacts with loss absorb.
+KEY_WIDTH = 14.0  # Width of the space for the coloured square that follows a word of a title [design pixels].
 WORDS_APART = 10.0  # Distance between two words of a title [design pixels].
 MOMENTUM_TITLES = (
     N_("momentum of each bead; marks: zero and total"),
@@ -24,11 +27,12 @@ MOMENTUM_TITLES = (
     N_("momentum"),
 )
 
-Words = Sequence[tuple[str, Colour | None]]  # Parts of a title, each with the colour in the bar that it names, or None.
+# Parts of a title. Each part consists of a word and its colour in the bar, or None if the word has no colour.
+Words = Sequence[tuple[str, Colour | None]]
 
 
 class EnergyBars:
-    """Energy bar and momentum bar of one lane, with error badges unless the errors are shown elsewhere.
+    """Energy bar and momentum bar of one lane, with optional error badges.
 
     Arguments:
         rect: rectangle of the bars and badges [pixels].
@@ -56,7 +60,8 @@ class EnergyBars:
         self.bars = [pygame.Rect(round(rect.left + k * (wide + gap)), top, round(wide), height) for k in range(2)]
         self.badges = pygame.Rect(round(rect.right - wide), rect.top, round(wide), rect.height)
         low, high = scales.momentum
-        self.zero = self.bars[1].left - low / (high - low) * self.bars[1].width  # Pixel of momentum 0.
+        # Horizontal position of zero momentum [pixels].
+        self.zero = self.bars[1].left - low / (high - low) * self.bars[1].width
 
     def backdrop(self, surface: pygame.Surface) -> None:
         """Draw the titles and the empty bars."""
@@ -67,8 +72,8 @@ class EnergyBars:
             self._title(surface, rect, fitting[0] if fitting else [])
 
     def _energy_titles(self) -> list[Words]:
-        """Return the possible titles of the energy bar, the longest first. A title explains all grey parts of the bar
-        or none.
+        """Return the possible titles of the energy bar, starting with the longest. A title explains either all grey
+        parts of the bar or none of them.
         """
         *long, bare = ENERGY_TITLES
         absorbed = [(_(ABSORBED), tones.muted)] if self.dissipative else []
@@ -76,13 +81,13 @@ class EnergyBars:
         return [*titles, [(_(bare), None)]]
 
     def _room(self, title: Words) -> float:
-        """Return the width [pixels] of a title."""
+        """Return the width [pixels] that a title needs."""
         keys = sum(KEY_WIDTH for _word, colour in title if colour is not None)
         words = sum(width(word, 13 * self.unit) for word, _colour in title)
         return words + (keys + WORDS_APART * (len(title) - 1)) * self.unit
 
     def _title(self, surface: pygame.Surface, rect: pygame.Rect, title: Words) -> None:
-        """Write the words of a title above a bar, each followed by a square of the colour that it names."""
+        """Write the words of a title above a bar. Draw a square after each word that has a colour in the bar."""
         unit, x = self.unit, float(rect.left)
         for word, colour in title:
             x = write(surface, word, (x, rect.top - 3 * unit), 13 * unit, tones.muted, align=(0, 1)).right
@@ -92,7 +97,7 @@ class EnergyBars:
             x += WORDS_APART * unit
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int) -> None:
-        """Draw energy, momentum and errors of the sample `row` of `motion`."""
+        """Draw the energy, the momentum and their errors for the sample `row` of `motion`."""
         absorbed = float(motion.absorbed[row]) if motion.absorbed.size else 0.0
         self._energy(surface, motion.kinetic[row], float(motion.stored[row]), absorbed)
         self._momentum(surface, motion.momentum[row])
@@ -100,12 +105,12 @@ class EnergyBars:
             return
         if math.isfinite(motion.energy_error[row]):
             self._badge(surface, 0, _("energy error"), float(motion.energy_error[row]))
-        if not (motion.chain.walls or motion.chain.takes_momentum):  # Walls exchange momentum with the beads as well.
+        if not (motion.chain.walls or motion.chain.takes_momentum):  # Walls also exchange momentum with the beads.
             self._badge(surface, 1, _("momentum error"), float(motion.momentum_error[row]))
 
     def _energy(self, surface: pygame.Surface, kinetic: Array, stored: float, absorbed: float) -> None:
-        """Draw, from left to right, the kinetic energy of each bead, the energy stored in contacts and the absorbed
-        energy.
+        """Draw the parts of the energy bar. From left to right, they are the kinetic energy of each bead, the energy
+        stored in contacts and the absorbed energy.
         """
         rect, x = self.bars[0], float(self.bars[0].left)
         for value, colour in zip(
@@ -116,7 +121,7 @@ class EnergyBars:
             x += wide
 
     def _momentum(self, surface: pygame.Surface, momentum: Array) -> None:
-        """Draw the momentum of each bead: positive parts to the right of zero, negative parts to the left."""
+        """Draw the momentum of each bead. Positive momenta are to the right of zero, negative momenta to the left."""
         rect, (low, high) = self.bars[1], self.scales.momentum
         ends = [self.zero, self.zero]
         for value, colour in zip(momentum.tolist(), self.colours, strict=True):

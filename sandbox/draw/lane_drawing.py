@@ -1,4 +1,4 @@
-"""Drawing of one lane: the beads on the ground, a force bar over each contact, and an arrow under each bead."""
+"""Drawing of one lane. It shows the beads on the ground, a force bar above each contact, and an arrow below each bead."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -62,7 +62,9 @@ def _momentum(motion: Motion, row: int, scales: Scales) -> Array:
 
 
 def _force(motion: Motion, row: int, scales: Scales) -> Array:
-    """Return the net force of both contacts of each bead, relative to the end of the force axis (-1 to 1)."""
+    """Return the net force of the two contacts of each bead. The force is relative to the end of the force axis (-1 to
+    1).
+    """
     force = np.concatenate(([0.0], motion.force[row], [0.0]))
     shares: Array = np.clip(-np.diff(force) / scales.force, -1.0, 1.0)
     return shares
@@ -80,27 +82,33 @@ ARROWS: dict[str, Shares] = {
 }
 
 
-KEY = 26.0  # Height of the line with the name of the lane and the key, above the bars [design pixels].
-FORCE_LABEL = 17.0  # Height of a force label above its bar [design pixels].
-# Height of a bead as a fraction of the height of the drawing: the usual value, and the smallest one, for low drawings.
+KEY = 26.0  # Height of the line above the force bars that contains the name of the lane and the key [design pixels].
+FORCE_LABEL = 17.0  # Height of the space for a force label above its bar [design pixels].
+# Height of a bead as a fraction of the height of the drawing. The first number is the usual height. The second is the
+# smallest height, for low drawings.
 TALLEST_BEAD, LEAST_BEAD = 0.40, 0.22
-HANGING_BEAD = 0.25  # The same for beads on strings, which leaves room for the strings.
+# Height of a bead on a string as a fraction of the height of the drawing. It leaves space for the strings.
+HANGING_BEAD = 0.25
 BAR_LIFT = 8.0  # Distance between the tops of the beads and the zero line of the bars [design pixels].
-LEAST_BAR = 18.0  # Smallest height of the highest bar [design pixels]. Beads shrink to make room for it.
+# Smallest height of the force bar of the largest force [design pixels]. Beads shrink to make space for it.
+LEAST_BAR = 18.0
 GROUND = 30.0  # Distance between the ground line and the lower edge of the drawing [design pixels].
 SMALLEST_NUMBER = 8.0  # Smallest legible height of the numbers on beads [pixels]. Smaller numbers are omitted.
 MASS_LABEL = 12.0  # Size of the masses that are written below beads [design pixels].
-SMALLEST_LABELLED = 26.0  # Smallest length of a bead that has room for text below it [design pixels].
-VISIBLE_FORCE = 0.01  # Fraction of the force axis. Lower bars have neither a force label nor a mark of a rigid cluster.
-# Share of the foreground colour in the colour of an arrow. Arrows stand out from the ground in both themes with it.
+# Smallest length of a bead with text below it [design pixels]. Below smaller beads, there is not enough space.
+SMALLEST_LABELLED = 26.0
+VISIBLE_FORCE = 0.01  # Smallest force with a label or a mark of a rigid cluster, as a fraction of the force axis.
+# Share of the foreground colour in the colour of an arrow. With this share, arrows stand out from the ground in both
+# themes.
 ARROW_TONE = 0.35
 MARKED = N_("if the row were one solid block")
-LEGEND_MARK = 20.0  # Width of the sample mark and of the space before its meaning [design pixels].
-PULL_RIM = 2.5  # Thickness of the rim of a hollow bar, which shows a pulling force [design pixels].
+# Width of the example of a mark in the legend, including the space before its meaning [design pixels].
+LEGEND_MARK = 20.0
+PULL_RIM = 2.5  # Thickness of the outline of a hollow bar [design pixels]. A hollow bar shows a pulling force.
 
 
 class DrawnLane(Protocol):
-    """Lane that can be drawn: a Lane of a scene or a live lane of the window."""
+    """Lane that can be drawn. It is either a Lane of a scene or a live lane of the window."""
 
     @property
     def label(self) -> str:
@@ -108,14 +116,16 @@ class DrawnLane(Protocol):
 
     @property
     def velocity(self) -> Sequence[float]:
-        """The (n+1,) velocities [m/s] at the start. They separate the striking cluster from the struck cluster."""
+        """The (n+1,) velocities [m/s] at the start. They distinguish the beads that strike from the beads that are
+        struck.
+        """
 
     def chain(self) -> Chain:
         """Return the chain of the lane."""
 
 
 class DrawnScene(Protocol):
-    """Scene that can be drawn: a Scene or the live lanes of the window."""
+    """Scene that can be drawn. It is either a Scene or the live lanes of the window."""
 
     @property
     def lanes(self) -> Sequence[DrawnLane]:
@@ -123,11 +133,11 @@ class DrawnScene(Protocol):
 
     @property
     def view(self) -> View:
-        """The length of the beads, and the flag that numbers them."""
+        """The length of the beads, and the flag that shows numbers on beads."""
 
 
 class LaneDrawing:
-    """Parts of the drawing of a lane that are the same in every frame: scale, sprites, colours.
+    """Parts of the drawing of a lane that are the same in every frame, such as the scale, the sprites and the colours.
 
     Arguments:
         rect: rectangle of the drawing [pixels].
@@ -146,7 +156,8 @@ class LaneDrawing:
         beads = range(self.chain.contacts + 1)
         self.balls = tuple(math.isfinite(self.chain.mass[i]) and not self._is_gear(i) for i in beads)
         palette = bead_colours(self.chain.contacts + 1)
-        self.contact_colours = palette[1:]  # A contact has the colour of the bead on its right, which it pushes.
+        # A contact has the colour of the bead on its right, because it pushes this bead.
+        self.contact_colours = palette[1:]
         self.colours = tuple(tones.muted if math.isinf(m) else c for m, c in zip(self.chain.mass, palette, strict=True))
         low, high = scales.window
         height = body_height([lane.chain() for lane in scene.lanes])
@@ -157,15 +168,16 @@ class LaneDrawing:
         self.number_size = (0.31 * CYLINDER_HEIGHT if height < 1.0 else 0.36) * self.bead
         self.ground = rect.bottom - GROUND * unit
         self.bar_base = self.ground - max(height * self.bead, 12 * unit) - BAR_LIFT * unit
-        # height of the highest bar [pixels]
+        # height of the force bar of the largest force [pixels]
         self.bar_room = max(self.bar_base - rect.top - (KEY + FORCE_LABEL) * unit, 0.0)
         self.heading: tuple[pygame.Rect, ...] = ()  # rectangles of the key, the ruler and the axis labels after drawing
         self._prefix = ""  # prefix of the unit of forces, such as "k"
         self._legend: tuple[float, float] | None = None  # position of the legend of the marks; None if it is not shown
-        # upper end and rise of each bead on a string in the last picture, and the drawn length of the strings [pixels]
+        # `hangs` contains the upper end of the string and the rise of each bead in the last picture. The other
+        # attribute is the drawn length of the strings [pixels].
         self.hangs: list[tuple[float, float]] = []
         self.string = 0.0
-        self.arrows = "velocity"  # quantity that the arrows show, a key of ARROWS
+        self.arrows = "velocity"  # quantity that the arrows show; a key of ARROWS
         self.take_approach([-gap for gap in self.chain.gap], lane.velocity)
         masses = mass_labels(self.chain) if self.bead >= SMALLEST_LABELLED * unit else ()
         # Beads that touch are one bead length apart.
@@ -173,20 +185,23 @@ class LaneDrawing:
         self.mass_labels = masses if fit else ()
 
     def take_approach(self, overlap: Sequence[float], velocity: Sequence[float]) -> None:
-        """Find the clusters from the overlaps (n,) [m] and velocities (n+1,) [m/s] before a collision. The marks of
-        rigid clusters depend on them.
+        """Find the rigid clusters before a collision, because the marks on force bars depend on them.
+
+        `overlap` (n,) [m] and `velocity` (n+1,) [m/s] are the overlaps and velocities before the collision.
         """
         self.ends = cluster_ends(overlap, velocity, self.length)
 
     def left(self, centre: float | None = None) -> float:
-        """Return the pixel of position 0 if the camera is at `centre` [m]. None puts the camera at the middle of the
-        scene.
+        """Return the pixel of position 0 if the centre of the camera is at `centre` [m]. If `centre` is None, the
+        camera is in the middle of the scene.
         """
         middle = sum(self.scales.window) / 2 if centre is None else centre
         return self.rect.centerx - middle * self.scale
 
     def backdrop(self, surface: pygame.Surface) -> None:
-        """Draw the parts that are the same in every frame: ground, force axis, name of the lane, ruler."""
+        """Draw the parts that are the same in every frame: the ground, the force axis, the name of the lane and the
+        ruler.
+        """
         unit, rect = self.unit, self.rect
         surface.fill(tones.lane_background, rect)
         labels, most = [], max(1, min(4, int(self.bar_room / (24 * unit))))
@@ -194,7 +209,8 @@ class LaneDrawing:
         for value, text in ticks(0.0, self.scales.force / FORCE_MARGIN / size, most):
             y = self._bar_top(value * size)
             surface.fill(tones.grid, (rect.left, round(y), rect.width, 1))
-            if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:  # The name of the lane and the key are above this line.
+            # The name of the lane and the key are above this vertical position.
+            if y > rect.top + (KEY + FORCE_LABEL + 2) * unit:
                 place = rect.left + 8 * unit, y - 2 * unit
                 labels.append(write(surface, text, place, 13 * unit, tones.muted, align=(0, 1)))
         surface.fill(tones.faint, (rect.left, round(self.ground), rect.width, max(1, round(1.5 * unit))))
@@ -205,8 +221,8 @@ class LaneDrawing:
             write(surface, _("arrows: {what}", what=_(self.arrows)), place, 13 * unit, tones.muted, align=(1, 1))
 
     def _key(self, surface: pygame.Surface, end: int) -> pygame.Rect:
-        """Write the name of the lane and the meaning of bars and lines, as far as they fit left of `end`. Return their
-        rectangle.
+        """Write the name of the lane and the meaning of bars and lines. Omit the parts that do not fit to the left of
+        `end`. Return the rectangle of the text.
         """
         unit, rect, small = self.unit, self.rect, 13 * self.unit
         x, y, space = rect.left + 8 * unit, rect.top + 8 * unit, 14 * unit
@@ -227,7 +243,7 @@ class LaneDrawing:
         return pygame.Rect(rect.left, rect.top, round(x - rect.left), round((KEY - 2) * unit))
 
     def _paint_legend(self, surface: pygame.Surface) -> None:
-        """Draw a sample of the mark for rigid clusters, followed by its meaning."""
+        """Draw an example of the mark for rigid clusters, followed by its meaning."""
         if self._legend is None:
             return
         (x, y), unit = self._legend, self.unit
@@ -235,7 +251,9 @@ class LaneDrawing:
         write(surface, _(MARKED), (x + LEGEND_MARK * unit, y), 13 * unit, tones.muted)
 
     def _ruler(self, surface: pygame.Surface) -> tuple[pygame.Rect, pygame.Rect]:
-        """Draw the length scale and write below it how much overlaps are magnified. Return the rectangles of both."""
+        """Draw the length scale. Below it, write the factor by which overlaps are magnified. Return the rectangles of
+        both.
+        """
         unit, rect = self.unit, self.rect
         magnification = (
             _("drawn to scale")
@@ -257,9 +275,10 @@ class LaneDrawing:
         return pygame.Rect(first, rect.top, rect.right - first, low - rect.top), words
 
     def _hangs(self, edges: Array, motion: Motion, row: int) -> list[tuple[float, float]]:
-        """Return for each bead on a string the pixel of its upper end, and how many pixels the bead is above the ground.
+        """Return two values for each bead on a string: the pixel of the upper end of the string, and the height of the
+        bead above the ground [pixels].
 
-        The string is drawn as long as it is to scale, but not beyond the lower edge of the key. Beads move along arcs.
+        The strings are drawn to scale, but do not reach above the lower edge of the key. The beads move along arcs.
         """
         if not self.chain.swing:
             return []
@@ -271,7 +290,7 @@ class LaneDrawing:
         return list(zip((edges + 0.5 * self.bead - aside).tolist(), rises.tolist(), strict=True))
 
     def _strings(self, surface: pygame.Surface, edges: list[float]) -> None:
-        """Draw the bar on which the beads hang, and their strings."""
+        """Draw the strings of the beads, and the bar to which the strings are attached."""
         if not self.hangs:
             return
         top, thick = self.ground - 0.5 * self.bead - self.string, max(1.0, self.unit)
@@ -282,8 +301,8 @@ class LaneDrawing:
             pygame.draw.aaline(surface, tones.muted, (end, top), middle)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, left: float) -> Array:
-        """Draw the sample `row` of `motion` with position 0 at pixel `left`. Return the (n,) horizontal pixels of the
-        contacts.
+        """Draw the sample `row` of `motion`, with position 0 at pixel `left`. Return the (n,) horizontal positions of
+        the contacts [pixels].
         """
         overlap = motion.overlap[row]
         edges = left + self.scale * left_edges(motion.position[row], overlap, self.length, self.scales.magnify)
@@ -299,7 +318,7 @@ class LaneDrawing:
         return np.asarray(contacts)
 
     def _bodies(self, surface: pygame.Surface, edges: list[float], faces: list[float]) -> None:
-        """Draw first the pistons, which the bodies partly cover, then the bodies, then their numbers."""
+        """Draw the bodies. The pistons come first because the bodies partly cover them. The numbers come last."""
         on_screen = [i for i, x in enumerate(edges) if self.rect.left - self.bead < x < self.rect.right]
         for i in on_screen:
             if self._is_gear(i):
@@ -322,9 +341,9 @@ class LaneDrawing:
                 self._number(surface, i, edges[i])
 
     def _pressed(self, edges: list[float]) -> list[float]:
-        """Return the overlap [pixels] on the left of each bead, and 0 for the end of the row.
+        """Return the overlap [pixels] on the left side of each bead. Append 0 for the right side of the last bead.
 
-        It is 0 for bodies that are apart, and for a pair that contains another body than a ball.
+        The overlap is 0 if two bodies are apart, or if one of the two bodies is not a ball.
         """
         found, balls, size = [0.0], self.balls, self.bead
         for i in range(len(edges) - 1):
@@ -333,7 +352,7 @@ class LaneDrawing:
         return [*found, 0.0]
 
     def _cut(self, surface: pygame.Surface, edges: list[float], bead: int, pressed: list[float]) -> None:
-        """Clip the surface to the part of a ball between its flat faces."""
+        """Clip the surface to the part of a ball between its two flat faces."""
         left, right = self.rect.left, self.rect.right
         if pressed[bead]:
             left = max(left, round(edges[bead] + pressed[bead] / 2))
@@ -342,7 +361,7 @@ class LaneDrawing:
         surface.set_clip((left, self.rect.top, max(1, right - left), self.rect.height))
 
     def _face(self, surface: pygame.Surface, bead: int, edge: float, overlap: float) -> None:
-        """Draw the flat face between a ball and its left neighbour, which are pressed together."""
+        """Draw the flat face between a ball and its left neighbour if they are pressed together."""
         x, radius = edge + overlap / 2, self.bead / 2
         half, wide = math.sqrt(radius**2 - (radius - overlap / 2) ** 2), max(1, round(0.03 * self.bead))
         place = round(x - wide / 2), round(self.ground - radius - half), wide, max(1, round(2 * half))
@@ -361,11 +380,15 @@ class LaneDrawing:
             blit_sprite(surface, image, x, self.ground - math.ceil(size) - self.rise(bead))
 
     def rise(self, bead: int) -> float:
-        """Return how many pixels a bead on a string is above its lowest place in the last picture; 0 without strings."""
+        """Return how many pixels a bead on a string was above its lowest position in the last picture. Return 0 if the
+        chain has no strings.
+        """
         return self.hangs[bead][1] if self.hangs else 0.0
 
     def body_shape(self, bead: int, x: float) -> tuple[pygame.Rect, float]:
-        """Return the rectangle around a body whose left edge is at pixel `x`, and the radius of its corners [pixels]."""
+        """Return the rectangle around a body and the radius of its corners [pixels]. `x` is the pixel of the left edge
+        of the body.
+        """
         wall = math.isinf(self.chain.mass[bead])
         height = self.bead * (WALL_HEIGHT if wall else CYLINDER_HEIGHT if self._is_gear(bead) else 1.0)
         rect = pygame.Rect(round(x), round(self.ground - height - self.rise(bead)), round(self.bead), round(height))
@@ -382,15 +405,17 @@ class LaneDrawing:
         blit_sprite(surface, number_sprite(str(bead), size, text_on(self.colours[bead])), middle - half, y - half)
 
     def _is_gear(self, bead: int) -> bool:
-        """Return True if the bead pushes its right neighbour with a piston. The last bead looks like its left
-        neighbour; a wall is drawn without a piston.
+        """Return True if the bead pushes its right neighbour with a piston.
+
+        The last bead looks like its left neighbour. A wall is drawn without a piston.
         """
         return math.isfinite(self.chain.mass[bead]) and is_gear(self.chain.contact[min(bead, self.chain.contacts - 1)])
 
     def _core(self, bead: int) -> float:
-        """Return the radius of the core of a bead, relative to the bead; 0 if all masses are equal.
+        """Return the radius of the dark core of a bead, relative to the radius of the bead. Return 0 if all masses are
+        equal.
 
-        The area of the core is proportional to the mass, relative to the largest mass of the chain.
+        The area of the core is proportional to the mass of the bead divided by the largest mass of the chain.
         """
         finite = [mass for mass in self.chain.mass if math.isfinite(mass)]
         if max(finite) <= EQUAL_MASSES * min(finite):
@@ -401,7 +426,9 @@ class LaneDrawing:
         return self.bar_base - self.bar_room * force / (self.scales.force / FORCE_MARGIN)
 
     def _bars(self, surface: pygame.Surface, contacts: list[float], overlaps: list[float], forces: list[float]) -> None:
-        """Draw a force bar for each contact, and across it a line at the force of a rigid cluster, Eq. (5)."""
+        """Draw a force bar for each contact. Draw a line across the bar at the force that the contact would carry in a
+        rigid cluster, Eq. (5).
+        """
         unit, visible = self.unit, VISIBLE_FORCE * self.scales.force
         wide = min(max(0.26 * self.bead, 3 * unit), 30 * unit)
         rigid = visible_marks(self.chain.mass, self.ends, overlaps, forces, self.length, visible)
@@ -416,8 +443,9 @@ class LaneDrawing:
         self._force_labels(surface, contacts, forces, rigid)
 
     def _bar(self, surface: pygame.Surface, contact: int, left: float, wide: float, force: float) -> None:
-        """Draw the bar of a force: filled if it pushes, hollow if it pulls, dark above the force at which the gear is
-        solid.
+        """Draw the bar of a force. The bar is filled for a pushing force and hollow for a pulling force.
+
+        The bar is dark above the force at which the draft gear becomes solid.
         """
         colour, top, rim = self.contact_colours[contact], self._bar_top(abs(force)), max(1.0, PULL_RIM * self.unit)
         fill_rectangle(surface, colour, (left, top, wide, self.bar_base - top))
@@ -431,14 +459,14 @@ class LaneDrawing:
     def _force_labels(
         self, surface: pygame.Surface, contacts: list[float], forces: list[float], rigid: list[float]
     ) -> None:
-        """Write the forces above their bars, the largest first. Omit a label that would cover another label or the
-        heading.
+        """Write the forces above their bars, starting with the largest force. Omit a label that would cover another
+        label or the heading.
         """
         size, visible, taken = 13 * self.unit, VISIBLE_FORCE * self.scales.force, list(self.heading)
         prefix = axis_prefix(self.scales.force)[1]
         unit = (
             f" {prefix}N" if prefix and not self.heading else ""
-        )  # in a thumbnail, which lacks a heading with the unit
+        )  # A thumbnail has no heading with the unit, so the label contains the unit.
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
                 return
@@ -451,16 +479,18 @@ class LaneDrawing:
                 write(surface, text, (place.centerx, foot), size, bold=True, align=(0.5, 1))
 
     def _label_foot(self, force: float, rigid: float) -> float:
-        """Return the pixel of the lower edge of a force label: above the bar, and above the mark of a rigid cluster if
-        it is near.
+        """Return the pixel of the lower edge of a force label.
+
+        The label is above the force bar. If the mark of a rigid cluster is near, the label is also above this mark.
         """
         foot, mark = self._bar_top(abs(force)), self._bar_top(rigid)
         near = foot - FORCE_LABEL * self.unit < mark <= foot
         return (mark if near else foot) - 3 * self.unit
 
     def _arrows(self, surface: pygame.Surface, edges: list[float], shares: list[float]) -> None:
-        """Draw an arrow under each bead, whose length relative to the longest arrow is in `shares`. Write masses below
-        if they differ.
+        """Draw an arrow below each bead. `shares` contains the lengths of the arrows relative to the longest arrow.
+
+        If the masses of the beads differ, write them below the arrows.
         """
         y, size = self.ground + 11 * self.unit, MASS_LABEL * self.unit
         for i, (x, share) in enumerate(zip(edges, shares, strict=True)):
@@ -474,7 +504,8 @@ class LaneDrawing:
 def _tallest(rect: pygame.Rect, unit: float) -> float:
     """Return the height [pixels] of the tallest bead.
 
-    In a low drawing the beads shrink so that the bars get LEAST_BAR, but not below LEAST_BEAD.
+    If the drawing is low, the beads shrink to leave the height LEAST_BAR for the force bars. They do not become smaller
+    than LEAST_BEAD.
     """
     room = rect.height - (KEY + FORCE_LABEL + LEAST_BAR + BAR_LIFT + GROUND) * unit
     return min(TALLEST_BEAD * rect.height, max(room, LEAST_BEAD * rect.height))

@@ -1,4 +1,6 @@
-"""Magnified insets: each contact has its own magnification, because the overlaps of neighbours differ by decades."""
+"""Magnified insets of contacts. Each contact has a separate magnification because the overlaps of neighbouring contacts
+differ by several powers of ten.
+"""
 
 import math
 from collections.abc import Mapping
@@ -15,22 +17,23 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.story.bodies import is_gear
 from softcradle.sandbox.story.numbers import factor, round_down, scientific, subscript
 
-CAP_RADIUS = 1.5  # Radius of the two discs of a contact, relative to the radius of the inset.
+CAP_RADIUS = 1.5  # Radius of the discs that stand for the two bodies of a contact, relative to the radius of the inset.
 GREATEST_DEPTH = 1.05  # Upper limit of the drawn overlap, relative to the radius of the inset.
-SMALLEST_RADIUS = 8.0  # Smallest radius of an inset that is still readable [design pixels]. Smaller insets are omitted.
-TEXT_ROOM = 100.0  # Room for the text beside an inset [design pixels].
-# Largest radius of an inset with captions, largest distance of two of them, and height of three captions [design pixels].
+SMALLEST_RADIUS = 8.0  # Smallest radius of a readable inset [design pixels]. Smaller insets are omitted.
+TEXT_ROOM = 100.0  # Width of the space for text next to an inset [design pixels].
+# Limits of insets with captions [design pixels]: the largest radius, the largest distance between two insets, and the
+# height of the captions.
 LARGEST_RADIUS, WIDEST_PITCH, CAPTION = 44.0, 190.0, 58.0
-# Limits if insets of full size do not fit [design pixels]: room for shorter text, and radius down to which the insets
-# shrink.
+# Limits of insets if insets of full size do not fit [design pixels]. The first number is the width of the space for
+# shortened text. The second is the smallest radius.
 LEAST_TEXT_ROOM, LEAST_RADIUS = 86.0, 20.0
 
 
 class MagnifiedInsets:
-    """Insets of one lane.
+    """Magnified insets of the contacts of one lane.
 
-    If not all contacts have room, the insets show neighbouring contacts from the one with the largest overlap on. The
-    last contact of the lane is always shown, because its overlap is the smallest.
+    If there is not enough space for all contacts, the insets show neighbouring contacts. The first of them is the
+    contact with the largest overlap. The last contact of the lane is always shown, because its overlap is the smallest.
 
     Arguments:
         rect: rectangle of the insets [pixels].
@@ -55,12 +58,12 @@ class MagnifiedInsets:
 
     @property
     def _side(self) -> int:
-        """Side [pixels] of the square around an inset."""
+        """Length [pixels] of the sides of the square around an inset."""
         return 2 * math.ceil(self.radius) + 4
 
     @property
     def _pitch(self) -> float:
-        """Width [pixels] of an inset with its text."""
+        """Width [pixels] of an inset together with its text."""
         return self._side + self.text_room + 4 * self.unit
 
     def centre(self, slot: int) -> tuple[float, float]:
@@ -83,8 +86,8 @@ class MagnifiedInsets:
             write(surface, seen, (left, y + 9 * self.unit), size, tones.muted)
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:
-        """Draw the insets for the sample `row` of `motion`. `contacts` (n,) are the horizontal pixels of the contacts
-        in the lane.
+        """Draw the insets for the sample `row` of `motion`. `contacts` (n,) contains the horizontal position of each
+        contact in the lane [pixels].
         """
         for slot, contact in enumerate(self.shown):
             x, y = self.centre(slot)
@@ -107,12 +110,14 @@ class MagnifiedInsets:
             )
 
     def _leader(self, surface: pygame.Surface, contact: float, centre: tuple[float, float]) -> None:
-        """Draw a thin line from the contact on the ground to the top of its inset."""
+        """Draw a thin line from a contact on the ground to the top of the inset of this contact."""
         start = (min(max(contact, self.rect.left), self.rect.right), self.drawing.ground + 2)
         pygame.draw.aaline(surface, tones.faint, start, (centre[0], centre[1] - self.radius))
 
     def _inset(self, contact: int, depth: float) -> pygame.Surface:
-        """Draw an inset with an overlap of `depth` pixels; if it is negative, the two bodies are apart."""
+        """Draw an inset in which the two bodies overlap by `depth` pixels. If `depth` is negative, the bodies are
+        apart.
+        """
         inset = pygame.Surface((self.side, self.side), 0, 32)
         inset.fill(tones.background)
         depth = max(depth, -1.1 * self.radius)
@@ -131,8 +136,8 @@ class MagnifiedInsets:
         blit_sprite(inset, _cap(radius, colours[1]), middle - depth / 2, y)
 
     def _gear(self, inset: pygame.Surface, colours: tuple[Colour, Colour], depth: float) -> None:
-        """Draw the cylinder head, the piston and the face that it meets. A dashed line marks the face of the piston at
-        overlap 0.
+        """Draw the cylinder head, the piston and the opposite face of a draft gear. A dashed line marks the position of
+        the piston face at zero overlap.
         """
         middle, r = self.side / 2, self.radius
         head, face = middle - 0.75 * r, middle + 0.45 * r
@@ -149,7 +154,7 @@ class MagnifiedInsets:
 
 
 class CaptionedInsets(MagnifiedInsets):
-    """Insets with captions below them, for chosen contacts at one moment.
+    """Magnified insets with captions below them. They show chosen contacts at one moment.
 
     Arguments:
         rect: rectangle of the insets and their captions [pixels].
@@ -157,7 +162,7 @@ class CaptionedInsets(MagnifiedInsets):
         drawing: the drawing of the lane.
         overlaps: overlap [m] of each contact that is shown.
         captions: two lines of text for each of these contacts.
-        leaders: True if a line leads from each contact to its inset.
+        leaders: True if a line connects each contact with its inset.
     """
 
     def __init__(
@@ -195,7 +200,7 @@ class CaptionedInsets(MagnifiedInsets):
             write(surface, magnification, (x, top + 36 * self.unit), 13 * self.unit, tones.muted, align=(0.5, 0))
 
     def paint(self, surface: pygame.Surface, motion: Motion, row: int, contacts: Array) -> None:
-        """Draw the insets for the sample `row` of `motion`, see :meth:`MagnifiedInsets.paint`."""
+        """Draw the insets for the sample `row` of `motion`. See :meth:`MagnifiedInsets.paint`."""
         for slot, contact in enumerate(self.shown):
             x, y = self.centre(slot)
             if self.leaders:
@@ -207,10 +212,10 @@ class CaptionedInsets(MagnifiedInsets):
 
 
 def _shown(deepest: tuple[float, ...], room: int) -> tuple[int, ...]:
-    """Return the contacts that get one of the `room` insets.
+    """Return the contacts that have an inset. There is space for `room` insets.
 
-    They are neighbours from the contact with the largest overlap on. The last contact of the lane replaces the last of
-    them if it is not among them.
+    The contacts are neighbours. The first of them has the largest overlap. If the last contact of the lane is missing,
+    it replaces the last of the chosen contacts.
     """
     last = len(deepest) - 1
     first = max(0, min(deepest.index(max(deepest)), len(deepest) - room))
@@ -219,13 +224,13 @@ def _shown(deepest: tuple[float, ...], room: int) -> tuple[int, ...]:
 
 
 def _magnification(room: float, deepest: float) -> float:
-    """Return the round magnification at which an overlap of `deepest` pixels fills about `room` pixels."""
+    """Return the round magnification that draws an overlap of `deepest` pixels about `room` pixels wide."""
     return round_down(room / deepest) if deepest > 0.0 else 1.0
 
 
 @cached_surfaces(4)
 def _cap(radius: float, colour: Colour) -> Sprites:
-    """Draw one side of a contact: the edge of a large disc."""
+    """Draw the body on one side of a contact as the edge of a large disc."""
     side = math.ceil(2 * radius)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -238,7 +243,7 @@ def _cap(radius: float, colour: Colour) -> Sprites:
 
 @cached_surfaces(4)
 def _frame(side: int, radius: float) -> pygame.Surface:
-    """Draw the background with a round hole, and a ring around the hole."""
+    """Draw the background of an inset with a round hole, and a ring around the hole."""
     size = (side * SUBPIXELS, side * SUBPIXELS)
     centre, colour = (side / 2 * SUBPIXELS, side / 2 * SUBPIXELS), mix(tones.faint, tones.muted, 0.4)
     frame = pygame.Surface(size, pygame.SRCALPHA, 32)

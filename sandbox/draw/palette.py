@@ -1,4 +1,4 @@
-"""Colours of the light and the dark theme and of beads. Colour-blind people can distinguish the bead colours as well."""
+"""Colours of the light theme, of the dark theme and of beads. Colour-blind people can distinguish the colours of beads."""
 
 from dataclasses import dataclass, fields, replace
 
@@ -81,18 +81,19 @@ DARK = Tones(
     ramp=((120, 86, 190), (92, 110, 200), (60, 150, 170), (60, 190, 130), (205, 214, 80)),
 )
 THEMES: dict[str, Tones] = {"light": LIGHT, "dark": DARK}
-tones = replace(LIGHT)  # Colours in use. Films, pages and figures use the light theme.
+tones = replace(LIGHT)  # Colours of the current theme. Films, pages and figures use the light theme.
 
 OKABE_ITO: tuple[Colour, ...] = (
-    (0, 114, 178),  # blue: the striker, as in Fig. 1
+    (0, 114, 178),  # blue: the colour of the striking bead, as in Fig. 1
     (230, 159, 0),  # orange
     (0, 158, 115),  # bluish green
     (204, 97, 30),  # vermillion
     (204, 121, 167),  # reddish purple
     (86, 180, 233),  # sky blue
-    (96, 96, 96),  # grey instead of yellow, which is hard to see on white
+    (96, 96, 96),  # grey instead of the yellow of the palette, which is hard to see on white
 )
-# Colours of beads: the palette of Okabe and Ito, and five more colours that colour-blind people can distinguish.
+# Colours of beads: the palette of Okabe and Ito, followed by five more colours that colour-blind people
+# can distinguish.
 BEAD_COLOURS: tuple[Colour, ...] = (
     *OKABE_ITO,
     (62, 66, 214),  # indigo
@@ -101,20 +102,20 @@ BEAD_COLOURS: tuple[Colour, ...] = (
     (160, 130, 255),  # lavender
     (136, 196, 92),  # lime
 )
-# Relative luminance above which a colour gets dark text. At this luminance dark and white text have about equal
-# contrast.
+# Relative luminance of a background above which text is dark. At this luminance, dark and white text have about the
+# same contrast.
 BRIGHT = 0.30
 
 
 def use_theme(name: str) -> None:
-    """Use the colours of the theme `name` of THEMES from now on. Existing drawings are not drawn again."""
+    """Use the colours of the theme `name` from now on. `name` is a key of THEMES. Existing drawings keep their colours."""
     for field in fields(Tones):
         setattr(tones, field.name, getattr(THEMES[name], field.name))
 
 
 def mix(colour: Colour, other: Colour, share: float) -> Colour:
-    """Return a mixture of `colour` and the share `share` (0 to 1) of `other`."""
-    # Written without a loop for speed: this function is called for every edge of a rectangle.
+    """Return a mixture of two colours. `share` (0 to 1) is the fraction of `other` in the mixture."""
+    # The three channels are computed without a loop for speed. This function is called for every edge of a rectangle.
     rest, (red, green, blue), (a, b, c) = 1.0 - share, colour, other
     return round(red * rest + a * share), round(green * rest + b * share), round(blue * rest + c * share)
 
@@ -127,12 +128,14 @@ def luminance(colour: Colour) -> float:
 
 
 def text_on(colour: Colour) -> Colour:
-    """Return the colour of text on a background of `colour`: dark on bright colours, white on the others."""
+    """Return the colour of text on a background of `colour`. Text is dark on bright backgrounds and white on dark ones."""
     return LIGHT.foreground if luminance(colour) > BRIGHT else LIGHT.background
 
 
 def bead_colours(count: int) -> tuple[Colour, ...]:
-    """Return the colours of `count` beads. A contact has the colour of the bead on its right, which it pushes."""
+    """Return the colours of `count` beads. A contact has the colour of the bead on its right, because it pushes this
+    bead.
+    """
     if count <= len(BEAD_COLOURS):
         return tuple(mix(colour, (255, 255, 255), tones.lift) for colour in BEAD_COLOURS[:count])
     return tuple(_ramp(i / (count - 1)) for i in range(count))

@@ -1,4 +1,4 @@
-"""Picture of a scene at one size, composed of the parts of its lanes. All lanes show the same time."""
+"""Picture of a scene at one size. It is composed of the pictures of the lanes. All lanes show the same time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,23 +23,23 @@ from softcradle.sandbox.story.numbers import TIMES, fixed, plain, subscript, tim
 from softcradle.sandbox.story.sentences import outcome_words
 from softcradle.scenes import Scene
 
-# Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture, or 1/DESIGN_WIDTH of
-# its width if that is less. All lengths below are in design pixels.
+# Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture. It is 1/DESIGN_WIDTH
+# of the width if this length is smaller. All lengths below are in design pixels.
 DESIGN_HEIGHT = 720.0
 DESIGN_WIDTH = 1000.0
 MARGIN = 28.0  # Free space on the left and on the right of a picture.
-HEADER = 82.0  # Height of the header, with the free space above it.
-FOOTER = 14.0  # Free space below all parts.
+HEADER = 82.0  # Height of the header, including the free space above it.
+FOOTER = 14.0  # Free space at the lower edge of a picture.
 GUTTER = 22.0  # Space between panels.
-INSETS_HEIGHT = 92.0  # Height of the row of magnified insets if there is a single lane.
-INSETS_HEIGHT_IN_ROW = 76.0  # Height of the row of magnified insets if there are several lanes.
-BARS_HEIGHT = 40.0  # Height of the row with the energy and momentum bars.
+INSETS_HEIGHT = 92.0  # Height of the magnified insets in a picture of a single lane.
+INSETS_HEIGHT_IN_ROW = 76.0  # Height of the magnified insets in a picture of several lanes.
+BARS_HEIGHT = 40.0  # Height of the energy and momentum bars.
 
 
 @dataclass(frozen=True)
 class LaneLayout:
-    """Rectangles of one lane [pixels]: its beads, the magnified insets, the bars of energy and momentum, and each panel
-    of curves.
+    """Rectangles of one lane [pixels]. There is one rectangle for the beads, one for the magnified insets, one for the
+    bars of energy and momentum, and one for each panel of curves.
     """
 
     drawing: Rect
@@ -50,7 +50,7 @@ class LaneLayout:
 
 @dataclass(frozen=True)
 class Layout:
-    """Rectangles of a picture [pixels]; `unit` is the number of pixels per design pixel."""
+    """Rectangles of a picture [pixels]. `unit` is the number of pixels per design pixel."""
 
     unit: float
     header: Rect
@@ -60,8 +60,8 @@ class Layout:
 def picture_layout(size: tuple[int, int], lanes: int) -> Layout:
     """Return the layout of a picture of `size` [pixels].
 
-    A single lane has its beads above three panels. Several lanes are stacked, each with its beads on the left and two
-    panels on the right.
+    In a picture of a single lane, the beads are above three panels. Several lanes are stacked. Each of them has its
+    beads on the left and two panels on the right.
     """
     unit = min(size[1] / DESIGN_HEIGHT, size[0] / DESIGN_WIDTH)
     margin = MARGIN * unit
@@ -108,15 +108,15 @@ def _rect(x: float, y: float, width: float, height: float) -> Rect:
 
 
 class Picture:
-    """Parts of the pictures of a scene that are the same in every frame. They are drawn once.
+    """Parts of the pictures of a scene that are the same in every frame. These parts are drawn only once.
 
     Arguments:
         scene: the scene.
         motions: one Motion for each lane, all with the same times.
         size: width and height [pixels].
         scales: common scales of all lanes; None computes them from the motions.
-        slow: seconds of film per second of motion, for the label; None takes the value of the scene.
-        ahead: strength of the curves beyond the cursor, from 0 to 1.
+        slow: seconds of film per second of motion, for the label; None uses the value of the scene.
+        ahead: strength of the colours of the curves after the cursor, from 0 to 1.
     """
 
     def __init__(
@@ -139,7 +139,7 @@ class Picture:
         self._backdrop(self.background)
 
     def paint(self, surface: pygame.Surface, row: int, centre: float | None = None, text_opacity: float = 0.0) -> None:
-        """Draw the sample `row` of the motions on `surface`, which has the size of the picture.
+        """Draw the sample `row` of the motions on `surface`. The surface must have the size of the picture.
 
         `centre` [m] is the position of the camera. `text_opacity` (0 to 1) is the opacity of the text of the scene.
         """
@@ -165,7 +165,7 @@ class Picture:
             lane.backdrop(surface)
 
     def _write_text(self, surface: pygame.Surface, opacity: float) -> None:
-        """Write the text of the scene above the beads of the first lane and below its key."""
+        """Write the text of the scene between the key and the beads of the first lane."""
         drawing, unit = self.lanes[0].drawing, self.layout.unit
         size = min(15.5 * unit, drawing.rect.width / 42)
         width, room = 0.62 * drawing.rect.width, drawing.bar_base - (KEY + 2) * unit
@@ -184,7 +184,9 @@ class Picture:
             write(surface, line, (drawing.rect.centerx, y + 1.4 * size * k), size, colour, align=(0.5, 0))
 
     def outcomes(self) -> list[str]:
-        """Return the outcome of each lane in words, after its label if there are several lanes."""
+        """Return a description of the outcome of each lane. If there are several lanes, each description starts with
+        the label of its lane.
+        """
         lasts, found = self.scene.duration is not None, []
         for lane, motion in zip(self.scene.lanes, self.motions, strict=False):
             words, label = (
@@ -218,7 +220,7 @@ class _LanePicture:
             panel.draw_curves(self.motion.time, values)
 
     def _panel(self, rect: pygame.Rect, kind: int, scales: Scales, unit: float) -> Panel:
-        """Return the panel of velocities (`kind` 0), forces (1) or overlaps (2)."""
+        """Return one panel. It shows the velocities if `kind` is 0, the forces if it is 1 and the overlaps if it is 2."""
         colours, contact_colours = self.drawing.colours, self.drawing.contact_colours
         contacts = range(len(contact_colours))
         if kind == 0:
@@ -248,12 +250,14 @@ class _LanePicture:
 
 
 def _curves(motion: Motion) -> tuple[Array, Array, Array]:
-    """Return the curves of the panels in their order. If there are several lanes, each shows only the first two."""
+    """Return the curves of the panels from left to right. If there are several lanes, each lane shows only the first
+    two panels.
+    """
     return motion.velocity, motion.force, motion.overlap
 
 
 def speed_text(slow: float) -> str:
-    """Return the label of a playback speed at which one second of motion takes `slow` seconds."""
+    """Return the label of a playback speed. At this speed, one second of motion lasts `slow` seconds."""
     if abs(slow - 1.0) < 1e-9:
         return _("real time")
     if slow > 1.0:
@@ -262,9 +266,10 @@ def speed_text(slow: float) -> str:
 
 
 def _peaks(motion: Motion) -> tuple[Array, Array, Array]:
-    """Return the values at which the names of the curves are written.
+    """Return the values that determine the heights of the names of the curves.
 
-    They are the final velocities, the strongest push or pull of each contact and its largest overlap.
+    They are the final velocity of each bead, the strongest push or pull of each contact, and the largest overlap of
+    each contact.
     """
     low, high = motion.force.min(axis=0), motion.force.max(axis=0)
     return motion.velocity[-1], np.where(-low > high, low, high), motion.overlap.max(axis=0)

@@ -1,5 +1,5 @@
-"""Scales of a picture: all lanes have the same time axis, the same vertical axes and the same camera, so they can be
-compared.
+"""Common scales of a picture. All lanes have the same time axis, the same vertical axes and the same camera. This makes
+them comparable.
 """
 
 import math
@@ -13,10 +13,12 @@ from softcradle.sandbox.motion import Array, Motion
 from softcradle.sandbox.story.numbers import round_down, scientific
 from softcradle.scenes import Scene
 
-# Largest number of decades of the overlap axis. Deep inside rigid-like clusters overlaps are even smaller.
+# Largest number of decades of the overlap axis. Overlaps deep inside nearly rigid clusters can be smaller than this
+# range.
 MOST_DECADES = 32
-DRAWN_OVERLAP = 0.22  # Size at which the largest overlap is drawn, relative to the length of a bead.
-MOST_MAGNIFIED = 1e6  # Limit of the magnification. Overlaps that would need a larger factor are drawn to scale.
+DRAWN_OVERLAP = 0.22  # Length at which the largest overlap is drawn, relative to the length of a bead.
+# Largest magnification of overlaps. If the overlaps need a larger factor, they are drawn to scale.
+MOST_MAGNIFIED = 1e6
 FORCE_MARGIN = 1.12  # Ratio of the upper end of the force axis to the largest force.
 Span = tuple[float, float]
 
@@ -33,8 +35,8 @@ class Scales:
         pull: lower end of the force axis of plots [N]; below 0 if couplers pull.
         decades: exponents of ten at the ends of the overlap axis.
         magnify: factor by which lanes draw overlaps larger than they are.
-        deepest: for each lane (n,) the largest overlap of each contact [m], from which the magnification of its inset
-            follows.
+        deepest: for each lane (n,) the largest overlap of each contact [m]. The magnification of an inset follows from
+            it.
         energy: energy [J] that fills the energy bar.
         momentum: ends of the momentum bar [N s].
     """
@@ -52,7 +54,9 @@ class Scales:
 
 
 class Reached(NamedTuple):
-    """Ranges of the values of some motions, for scales with room for them. The energy includes the absorbed energy."""
+    """Ranges of the values of some motions. Scales are chosen to contain these ranges. The energy includes the absorbed
+    energy.
+    """
 
     velocity: Span
     force: float
@@ -76,7 +80,7 @@ def reached(motions: Sequence[Motion]) -> Reached:
 
 
 def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
-    """Return the common scales for all `motions`, one motion for each lane of `scene`."""
+    """Return the common scales of all `motions`. There is one motion for each lane of `scene`."""
     deepest = tuple(tuple(np.maximum(motion.overlap.max(axis=0), 0.0).tolist()) for motion in motions)
     magnify = scene.view.magnify or _magnify(max(map(max, deepest)), scene.view.length)
     begin, end = min(float(m.time[0]) for m in motions), max(float(m.time[-1]) for m in motions)
@@ -97,10 +101,9 @@ def scales_of(scene: Scene, motions: Sequence[Motion]) -> Scales:
 
 
 def left_edges(position: Array, overlap: Array, length: float, magnify: float) -> Array:
-    """Return (..., n+1) the position [m] at which the left edge of each bead is drawn, with overlaps magnified by
-    `magnify`.
+    """Return the positions [m] (..., n+1) at which the left edges of the beads are drawn.
 
-    The magnification does not change the mean position.
+    Overlaps are magnified by `magnify`. The magnification does not change the mean position of the beads.
     """
     shift = np.zeros_like(position)
     if magnify != 1.0:
@@ -122,7 +125,7 @@ def _window(scene: Scene, motions: Sequence[Motion], magnify: float) -> Span:
 
 
 def axis_range(values: Sequence[Array]) -> Span:
-    """Return a range that contains all `values` and 0, with some room beyond the values."""
+    """Return a range that contains 0 and all `values`, with some space at its ends."""
     low, high = min(0.0, *(float(v.min()) for v in values)), max(0.0, *(float(v.max()) for v in values))
     if low == high:
         return low - 1.0, high + 1.0
@@ -133,8 +136,8 @@ def axis_range(values: Sequence[Array]) -> Span:
 def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
     """Return the exponents of ten at the ends of the overlap axis.
 
-    The axis ends at the decade of the largest overlap. It begins a decade below the smallest of the largest overlaps of
-    the contacts.
+    Each contact has a largest overlap. The axis ends at the power of ten above the largest of these values. It begins
+    one decade below the smallest of them.
     """
     depths = [depth for lane in deepest for depth in lane if depth > 0.0]
     if not depths:
@@ -143,10 +146,10 @@ def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
     return max(math.floor(math.log10(min(depths))) - 1, high - MOST_DECADES), high
 
 
-@np.errstate(over="ignore", invalid="ignore")  # Values that are not finite are rejected by the code that shows them.
+@np.errstate(over="ignore", invalid="ignore")  # The code that shows a motion rejects values that are not finite.
 def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
-    """Return the motion of `trajectory`, preceded by free flight at the times `lead` < 0 [s] (see
-    :func:`longest_lead`).
+    """Return the motion of `trajectory`. Add free flight at the times `lead` < 0 [s] before its start, see
+    :func:`longest_lead`.
     """
     times = np.empty(0) if lead is None else lead - trajectory.time[0]
     flight, open_contacts = times[:, None], np.zeros((len(times), trajectory.chain.contacts))
@@ -168,10 +171,11 @@ def motion_of(trajectory: Trajectory, lead: Array | None = None) -> Motion:
 
 
 def longest_lead(chain: Chain, velocity: Array) -> float:
-    """Return the longest time [s] before the start for which free flight can be shown; it can be infinite.
+    """Return the longest time [s] before the start for which free flight can be shown. It can be infinite.
 
-    Backwards in time, the flight is limited by beads that move apart at the start, because earlier they would have
-    touched. The time is 0 with friction, brakes or strings, because the beads did not move at constant velocities.
+    The beads fly backwards in time from their state at the start. If two beads move apart at the start, the backward
+    flight ends when they touch. The returned time is 0 for chains with friction, brakes or strings, because their beads
+    did not move at constant velocities.
     """
     if chain.takes_momentum:
         return 0.0

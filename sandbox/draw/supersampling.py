@@ -1,5 +1,5 @@
-"""Antialiased shapes, drawn at four times the size and averaged down. A sprite has one image for each quarter of a
-pixel.
+"""Antialiased shapes. Each shape is drawn at four times its size and then reduced by averaging. A sprite has one image
+for each quarter of a pixel.
 """
 
 import math
@@ -9,17 +9,17 @@ import pygame
 from softcradle.sandbox.draw.palette import Colour, mix, tones
 from softcradle.sandbox.draw.surfaces import cached_surfaces
 
-SUBPIXELS = 4  # Factor of supersampling; also the number of positions of a sprite within a pixel.
+SUBPIXELS = 4  # Factor by which shapes are drawn larger. It is also the number of positions of a sprite within a pixel.
 Point = tuple[float, float]
 Sprites = tuple[pygame.Surface, ...]
 
 
 def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Surface, float], None]) -> Sprites:
-    """Return the images of a shape for each quarter of a pixel. ``paint(surface, shift)`` draws it at four times the
-    size, moved to the right by `shift` fine pixels.
+    """Return the images of a shape at four positions, which are a quarter of a pixel apart.
 
-    `rim` is the colour of the outline. The transparent surroundings get this colour as well; otherwise the averaged
-    edge would be darker.
+    ``paint(surface, shift)`` draws the shape at four times its size. It moves the shape to the right by `shift` fine
+    pixels. `rim` is the colour of the outline. The transparent background also gets this colour. Otherwise, averaging
+    would darken the edge.
     """
     images = []
     for shift in range(SUBPIXELS):
@@ -31,14 +31,16 @@ def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Sur
 
 
 def blit_sprite(surface: pygame.Surface, images: Sprites, x: float, y: float) -> None:
-    """Blit the sprite with its top left corner at (x, y). `x` is rounded to a quarter of a pixel, `y` to a whole pixel."""
+    """Blit the sprite with its top left corner at (x, y). `x` is rounded to a quarter of a pixel, and `y` to a whole
+    pixel.
+    """
     quarters = round(x * SUBPIXELS)
     surface.blit(images[quarters % SUBPIXELS], (quarters // SUBPIXELS, round(y)))
 
 
 def fill_rectangle(surface: pygame.Surface, colour: Colour, area: tuple[float, float, float, float]) -> None:
-    """Fill the rectangle (left, top, width, height) [pixels]. A partly covered pixel gets a mixture of `colour` and its
-    old colour.
+    """Fill the rectangle (left, top, width, height) [pixels]. Each partly covered pixel becomes a mixture of `colour`
+    and its previous colour.
     """
     x, y, width, height = area
     if width <= 0.0 or height <= 0.0:
@@ -56,7 +58,9 @@ def fill_rectangle(surface: pygame.Surface, colour: Colour, area: tuple[float, f
 
 
 def _spans(low: float, high: float) -> list[tuple[int, int, float]]:
-    """Return the whole pixels and the two partly covered ones between `low` and `high`, as (first, end, coverage)."""
+    """Return the pixels between `low` and `high` as (first, end, coverage). Pixels at the two ends can be partly
+    covered.
+    """
     first, last = math.floor(low), math.floor(high)
     if first == last:
         return [(first, first + 1, high - low)]
@@ -64,7 +68,7 @@ def _spans(low: float, high: float) -> list[tuple[int, int, float]]:
 
 
 def draw_line(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thickness: float) -> None:
-    """Draw a line through `points` with round joints. All lengths are in pixels of the fine surface."""
+    """Draw a line through `points` with round joints. All lengths are in pixels of the magnified surface `fine`."""
     width = max(1, round(thickness))
     if len(points) > 1:
         pygame.draw.lines(fine, colour, False, points, width)
@@ -73,17 +77,18 @@ def draw_line(fine: pygame.Surface, colour: Colour, points: Sequence[Point], thi
             pygame.draw.circle(fine, colour, point, width / 2)
 
 
-# Markers with corners: number of corners, angle of the first corner [degrees], and size relative to the radius. They
-# are a square, a triangle on its base, a diamond and a triangle on its tip. With these sizes all markers look equally
-# large. Marker 0 is a disc.
+# Markers with corners. The numbers are the count of corners, the angle of the first corner [degrees], and the size
+# relative to the radius. The shapes are a square, a triangle on its base, a diamond and a triangle on its tip. With
+# these sizes, all markers look equally large. Marker 0 is a disc.
 CORNERED_MARKERS = {1: (4, 45, 1.2), 2: (3, -90, 1.3), 3: (4, 0, 1.25), 4: (3, 90, 1.3)}
 MARKERS = 1 + len(CORNERED_MARKERS)
-MARKER_RIM = 1.2  # Width of the background around a marker, which separates it from the curves [pixels].
+# Width of the ring in the background colour around a marker [pixels]. The ring separates the marker from the curves.
+MARKER_RIM = 1.2
 
 
 @cached_surfaces(2)
 def marker_sprite(shape: int, radius: float, colour: Colour) -> Sprites:
-    """Draw the marker number `shape`. Numbers from MARKERS on repeat the shapes."""
+    """Draw the marker number `shape`. If the number is MARKERS or larger, the shapes repeat."""
     side = math.ceil(2 * radius + 4)
 
     def paint(fine: pygame.Surface, shift: float) -> None:
@@ -111,7 +116,9 @@ def _marker(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, 
 
 
 def draw_arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
-    """Draw a horizontal arrow from `start`, `length` pixels to the right, or to the left if `length` is negative."""
+    """Draw a horizontal arrow from `start`. It points to the right and is `length` pixels long. If `length` is
+    negative, it points to the left.
+    """
     x, y = start
     if abs(length) < 2.5 * unit:
         return

@@ -1,6 +1,7 @@
-"""Cache of drawn surfaces, and PNG files of surfaces.
+"""Cache of drawn surfaces, and conversion of surfaces into PNG files.
 
-The cache is limited by the memory of the pixels, because zooming creates new sizes all the time.
+The cache is limited by the memory of its pixels. A limit on the number of surfaces would not suffice, because zooming
+creates surfaces of many sizes.
 """
 
 from collections import OrderedDict
@@ -14,15 +15,16 @@ import pygame
 
 Drawn = TypeVar("Drawn", pygame.Surface, "tuple[pygame.Surface, ...]")
 
-SURFACE_BYTES = 200  # Approximate memory of a surface object without its pixels [bytes].
+SURFACE_BYTES = 200  # Approximate memory of a surface object, excluding its pixels [bytes].
 
 _clear_functions: list[Callable[[], None]] = []
 
 
 def cached_surfaces(megabytes: float) -> Callable[[Callable[..., Drawn]], Callable[..., Drawn]]:
-    """Return a decorator that caches the drawings of a function with hashable arguments.
+    """Return a decorator that caches the drawings that a function returns. The arguments of the function must be
+    hashable.
 
-    The cache keeps the most recently used drawings, up to `megabytes` of pixels.
+    The cache keeps the most recently used drawings. Their pixels occupy at most `megabytes`.
     """
 
     def decorate(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:
@@ -54,15 +56,15 @@ def cached_surfaces(megabytes: float) -> Callable[[Callable[..., Drawn]], Callab
 
 
 def clear_cached_surfaces() -> None:
-    """Empty all caches. The window calls this when the user leaves a page, because the next page seldom needs the same
-    drawings.
+    """Empty all caches of surfaces. The window calls this function when the user leaves a page, because the next page
+    seldom needs the same drawings.
     """
     for clear in _clear_functions:
         clear()
 
 
 def _memory(drawing: pygame.Surface | tuple[pygame.Surface, ...]) -> int:
-    """Return the size [bytes] of one surface or of several surfaces."""
+    """Return the memory [bytes] of one surface or of several surfaces."""
     if isinstance(drawing, tuple):
         return sum(_memory(surface) for surface in drawing)
     return drawing.get_pitch() * drawing.get_height() + SURFACE_BYTES

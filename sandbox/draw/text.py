@@ -1,4 +1,4 @@
-"""Text on surfaces, in two weights of one font. Rendered text is cached."""
+"""Text on surfaces. There is one font with two weights. Rendered text is cached."""
 
 import re
 from bisect import bisect_right
@@ -14,7 +14,7 @@ _FONTS = {False: "Inter-Regular.otf", True: "Inter-SemiBold.otf"}
 
 @lru_cache(maxsize=64)
 def font(size: int, bold: bool = False) -> pygame.font.Font:
-    """Return the font at `size` pixels."""
+    """Return the font with a height of `size` pixels."""
     if not pygame.font.get_init():
         pygame.font.init()
     return pygame.font.Font(str(resource(_FONTS[bold])), max(4, size))
@@ -22,7 +22,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
 
 @cached_surfaces(6)
 def rendered(text: str, size: int, colour: Colour, bold: bool = False) -> pygame.Surface:
-    """Return `text` on a transparent surface. The surface is cached, so do not draw on it."""
+    """Return a surface with `text` on a transparent background. The surface is cached, so callers must not draw on it."""
     return font(size, bold).render(text, True, colour)
 
 
@@ -38,8 +38,8 @@ def write(
 ) -> pygame.Rect:
     """Write one line of text. The default colour is the foreground colour of the theme.
 
-    `align` is the point of the text that is put at `place`: (0, 0) is the top left corner, (0.5, 1) the middle of the
-    lower edge.
+    `align` selects the point of the text that is placed at `place`. (0, 0) is the top left corner. (0.5, 1) is the
+    middle of the lower edge.
     """
     image = rendered(text, round(size), tones.foreground if colour is None else colour, bold)
     width, height = image.get_size()
@@ -47,12 +47,12 @@ def write(
 
 
 def width(text: str, size: float, *, bold: bool = False) -> int:
-    """Return the width [pixels] of text that :func:`write` writes."""
+    """Return the width [pixels] of `text` if :func:`write` writes it."""
     return int(font(round(size), bold).size(text)[0])
 
 
 def shortened(text: str, size: float, room: float, *, bold: bool = False) -> str:
-    """Return `text`, cut and ended with an ellipsis if it is wider than `room` pixels."""
+    """Return `text`. If it is wider than `room` pixels, cut it and append an ellipsis."""
     if width(text, size, bold=bold) <= room:
         return text
     fitting = bisect_right(range(1, len(text) + 1), room, key=lambda n: width(text[:n] + "…", size, bold=bold))
@@ -60,12 +60,14 @@ def shortened(text: str, size: float, room: float, *, bold: bool = False) -> str
 
 
 def paragraphs(text: str, size: float, room: float) -> list[str]:
-    """Return the lines of a text broken to `room` pixels. Line breaks in the text are kept."""
+    """Return the lines of a text. Each line is at most `room` pixels wide. Line breaks in the text are kept."""
     return [line for part in text.split("\n") for line in wrapped(part, size, room)]
 
 
 def wrapped(text: str, size: float, room: float, *, bold: bool = False) -> list[str]:
-    """Return `text` broken between words into lines of at most `room` pixels. Non-breaking spaces do not break."""
+    """Return the lines of `text`, broken between words. Each line is at most `room` pixels wide. Lines are not broken
+    at non-breaking spaces.
+    """
     lines = [""]
     for word in re.split(r"[ \n\t]+", text.strip(" \n\t")):
         longer = f"{lines[-1]} {word}".strip()
