@@ -1,1 +1,1 @@
-"""Films and kymographs of scenes."""
+"""Films and kymographs (space-time pictures) of scenes."""

@@ -1,8 +1,9 @@
-"""Encoder of films. Frames are encoded while the next ones are drawn; long films are encoded in parallel segments.
+"""Encoder of films. It encodes frames while the next frames are drawn. A long film is divided into segments that are
+encoded in parallel.
 
-One thread with its own encoder encodes each segment, and the segments are joined without re-encoding. (An encoder with
-several threads waits for the slowest of them at every frame.) The number of frames decides where a film is cut,
-so the result does not depend on the machine.
+Each segment is encoded by one thread with its own encoder. Afterwards the segments are joined without re-encoding. (An
+encoder with several threads would wait for the slowest thread at every frame.) The boundaries between segments depend
+only on the number of frames. The resulting file is therefore the same on every machine.
 """
 
 from __future__ import annotations
@@ -24,22 +25,28 @@ from softcradle.sandbox.draw.surfaces import write_png
 from softcradle.sandbox.files import output_file, output_folder
 from softcradle.sandbox.film.formats import Codec, FrameMaker, Palette, check
 
-Packet = Any  # a packet of PyAV; versions differ in the arguments of this type
-Paint = Callable[[pygame.Surface, Any], None]  # draws one picture on a surface
-Tell = Callable[[int], None]  # called with the number of new frames
+# Packet of PyAV. The type is Any because the arguments of the packet type differ between versions of PyAV.
+Packet = Any
+Paint = Callable[[pygame.Surface, Any], None]  # function that draws one picture on a surface
+Tell = Callable[[int], None]  # function that is called with the number of new frames
 
-# Approximate number of frames in a segment. A segment starts with a key frame, which is 30 times as long as the others:
-# a tenth of a film in such segments. The number of segments is even, because two is the smallest number of cores that
-# matters.
+# Approximate number of frames in a segment. Each segment starts with a key frame, which takes 30 times as much space as
+# another frame. With segments of this length, key frames take a tenth of the film. The number of segments is even, so
+# that two cores have equal work.
 SEGMENT_FRAMES = 180
-SHORTEST_SEGMENT = 30  # Fewest frames of a segment. A film without two such segments is one segment.
-MOST_WORKERS = 8  # Most encoding threads. One drawing thread cannot feed more.
-BUFFERS = 3  # Frames that are drawn but not yet encoded. More would not reduce the waiting time.
+# Smallest number of frames in a segment. A film that is too short for two such segments has one segment.
+SHORTEST_SEGMENT = 30
+MOST_WORKERS = 8  # Largest number of encoding threads. One drawing thread cannot supply frames for more.
+# Number of frames that can be drawn but not yet encoded. A larger number would not reduce the waiting time.
+BUFFERS = 3
 
 
 @dataclass
 class _Segment:
-    """Segment of `count` frames from frame `first` on: `drawn` frames so far, and the packets after encoding."""
+    """Segment of a film. It begins with the frame number `first` and has `count` frames.
+
+    `drawn` is the number of frames drawn so far. `packets` contains the encoded frames.
+    """
 
     first: int
     count: int
@@ -49,7 +56,7 @@ class _Segment:
 
 
 def segment_lengths(frames: int) -> list[int]:
-    """Return the lengths of the segments of a film, which differ by at most one frame."""
+    """Return the number of frames of each segment of a film. These numbers differ by at most 1."""
     count = 2 * max(1, round(frames / (2 * SEGMENT_FRAMES))) if frames >= 2 * SHORTEST_SEGMENT else 1
     return [frames // count + (k < frames % count) for k in range(count)]
 
@@ -57,10 +64,10 @@ def segment_lengths(frames: int) -> list[int]:
 def encoded_segments(
     codec: Codec, size: tuple[int, int], rate: Fraction, pictures: Sequence[Any], paint: Paint, tell: Tell
 ) -> Iterator[Packet]:
-    """Draw `pictures` with `paint` in this thread, encode them in others, and yield the packets of the film in order.
+    """Draw `pictures` with `paint` and encode them. Yield the packets of the film in order.
 
-    A picture that equals its predecessor is neither drawn nor converted again. `tell` is called with the number of
-    newly drawn frames.
+    The pictures are drawn in the calling thread and encoded in other threads. If a picture equals the previous picture,
+    it is neither drawn nor converted again. `tell` is called with the number of new frames.
     """
     segments, first = [], 0
     for count in segment_lengths(len(pictures)):
@@ -74,7 +81,7 @@ def encoded_segments(
 
 
 class _Workers:
-    """Threads that encode. A surface goes from the drawing thread to one of them and back."""
+    """Threads that encode frames. Each surface moves from the drawing thread to one of these threads and back."""
 
     def __init__(self, codec: Codec, size: tuple[int, int], rate: Fraction, count: int) -> None:
         self._codec, self._size, self._rate = codec, size, rate
@@ -92,7 +99,7 @@ class _Workers:
             thread.start()
 
     def run(self, segments: Sequence[_Segment], pictures: Sequence[Any], paint: Paint, tell: Tell) -> Iterator[Packet]:
-        """Give each worker one segment after another, and its next frame as soon as it has a free surface."""
+        """Give each worker one segment after another. A worker gets its next frame as soon as it has a free surface."""
         waiting, held = list(segments), dict[int, _Segment]()
         unwritten, left = list(segments), sum(segment.count for segment in segments)
         while left:
@@ -100,7 +107,7 @@ class _Workers:
             self._check()
             if worker not in held or held[worker].drawn == held[worker].count:
                 if not waiting:
-                    continue  # this surface is not needed any more
+                    continue  # The worker has no segments left, so this surface is not used again.
                 held[worker] = waiting.pop(0)
             segment = held[worker]
             paint(surface, pictures[segment.first + segment.drawn])
@@ -117,10 +124,11 @@ class _Workers:
             segment.done.wait()
             self._check()
             yield from segment.packets
-        self._check()  # a worker that failed ended its segment, which may have been written before this check
+        # If a worker fails, it marks its segment as done. The segment may have been written before this check.
+        self._check()
 
     def stop(self) -> None:
-        """End the threads."""
+        """Stop the encoding threads and wait until they have ended."""
         for full in self._full:
             full.put(None)
         for thread in self._threads:
@@ -131,8 +139,10 @@ class _Workers:
             raise self._error
 
     def _run(self, worker: int) -> None:
-        """Encode until None arrives. After an error, release the drawing thread so that it does not block and meets the
-        error.
+        """Encode frames until the queue contains None.
+
+        After an error, return the surfaces to the drawing thread. Otherwise that thread would wait forever and not see
+        the error.
         """
         encoder: _SegmentEncoder | None = None
         while (item := self._full[worker].get()) is not None:
@@ -149,12 +159,12 @@ class _Workers:
 
 
 def _repeats(pictures: Sequence[Any]) -> int:
-    """Return the number of `pictures` that equal the first one without interruption."""
+    """Return how many of the following `pictures` equal the first picture before a different one follows."""
     return next((k for k, picture in enumerate(pictures[1:]) if picture != pictures[0]), len(pictures) - 1)
 
 
 class _SegmentEncoder:
-    """Encoder of one segment."""
+    """Encoder of one segment of a film."""
 
     def __init__(self, codec: Codec, size: tuple[int, int], rate: Fraction, segment: _Segment) -> None:
         self.segment, self._codec, self._added = segment, codec, 0
@@ -163,7 +173,9 @@ class _SegmentEncoder:
         self._frame: av.VideoFrame | None = None
 
     def add(self, surface: pygame.Surface | None) -> None:
-        """Encode one more frame (None repeats the last one); after the last frame, flush the encoder."""
+        """Encode one more frame. If `surface` is None, repeat the last frame. After the last frame of the segment,
+        flush the encoder.
+        """
         frame = self._frame if surface is None else self._frame_of(surface)
         assert frame is not None
         self._frame = frame
@@ -182,23 +194,28 @@ class _SegmentEncoder:
 
 
 class Film:
-    """Film that is being written. Draw each frame on a :meth:`free_surface` and add it."""
+    """Film that is being written. For each frame, draw on a surface from :meth:`free_surface` and pass it to
+    :meth:`add`.
+    """
 
     def take_colours(self, sample: pygame.Surface) -> None:
-        """Choose the colours of a GIF from `sample`; by default they come from the first frame."""
+        """Choose the colours of a GIF from the picture `sample`. Without this call, they are chosen from the first
+        frame.
+        """
 
     def free_surface(self) -> pygame.Surface:
-        """Return a surface with arbitrary content for the next frame; wait until one is free."""
+        """Return a surface for the next frame. Its content is arbitrary. Wait if no surface is free."""
         raise NotImplementedError
 
     def add(self, surface: pygame.Surface) -> None:
-        """Add a finished frame. Do not draw on its surface afterwards."""
+        """Add a finished frame to the film. Do not draw on the surface afterwards."""
         raise NotImplementedError
 
     def paint_frames(self, pictures: Sequence[Any], paint: Paint, tell: Tell = lambda _: None) -> None:
-        """Draw a frame for each of `pictures` with `paint`, in the order in which they are written soonest, and add it.
+        """Draw each of the `pictures` with `paint` and add it to the film. The order of drawing is chosen for speed.
 
-        A picture that equals its predecessor need not be drawn. `tell` is called with the number of new frames.
+        If a picture equals the previous picture, it is not necessarily drawn again. `tell` is called with the number of
+        new frames.
         """
         for picture in pictures:
             surface = self.free_surface()
@@ -211,22 +228,24 @@ class Film:
 def open_film(
     output: Path | str, size: tuple[int, int], frame_rate: float, pixel_format: str | None = None
 ) -> Iterator[Film]:
-    """Open a film for writing; its frames may show anything, such as a pymunk Space.
+    """Open a film for writing. Its frames can show anything, such as a pymunk Space.
 
-    The file is at `output` when the block ends without an error, and is not written otherwise. Films have no sound and no
-    transparent background.
+    The file `output` appears when the block ends without an error. After an error, it is not written. Films have no
+    sound and no transparent background.
 
     Parameters
     ----------
     output : path
-        Name that ends in .mp4 or .gif; in .png for one picture; or a folder, with a final ``/``, for numbered
-        pictures.
+        Name of a file or folder. A name that ends in .mp4 or .gif is a film. A name that ends in .png is one picture. A
+            name
+        with a final ``/`` is a folder of numbered pictures.
     size : (int, int)
         Width and height of a frame [pixels]. They must be even numbers for an mp4.
     frame_rate : float
         Frames per second. Pictures ignore it.
     pixel_format : str, optional
-        "yuv420p" (default) or "yuv444p", for mp4. The latter keeps thin coloured lines, but some players do not show it.
+        "yuv420p" (default) or "yuv444p", for mp4. The latter keeps thin coloured lines, but some players do not show
+            it.
 
     Yields
     ------
@@ -236,7 +255,7 @@ def open_film(
     Raises
     ------
     UserError
-        The size, the rate or the kind of file cannot be written.
+        The size, the rate or the kind of file is not supported.
 
     Examples
     --------
@@ -273,8 +292,8 @@ class _Pictures(Film):
 
 
 class _Encoder(Film):
-    """Film written by PyAV. Its thread owns the container; surfaces circulate between this thread and the drawing
-    thread.
+    """Film written by PyAV. The encoding thread owns the container. Surfaces circulate between the encoding thread and
+    the drawing thread.
     """
 
     def __init__(self, path: Path, codec: Codec, size: tuple[int, int], frame_rate: float) -> None:
@@ -327,8 +346,10 @@ class _Encoder(Film):
             self._container.mux(packet)
 
     def _run(self) -> None:
-        """Encode until None arrives. After an error, return surfaces so that the drawing thread does not block, then
-        the error.
+        """Encode frames until the queue contains None.
+
+        After an error, return the surfaces and then the error to the drawing thread. Otherwise that thread would wait
+        forever.
         """
         try:
             with self._container:

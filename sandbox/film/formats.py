@@ -1,4 +1,6 @@
-"""Formats of films: the codec and its limits for each file suffix, and the conversion of a surface into a frame."""
+"""File formats of films. The module contains the codec and the limits of each file suffix. It also converts surfaces
+into frames.
+"""
 
 import os
 from dataclasses import dataclass, replace
@@ -16,15 +18,15 @@ from softcradle.sandbox.languages import _
 from softcradle.sandbox.user_error import UserError
 
 PIXEL_FORMATS = ("yuv420p", "yuv444p")
-SMALLEST = (160, 90)  # smallest size [pixels]
-LARGEST = (7680, 4320)  # largest size [pixels]
-LOWEST_RATE = 1.0  # fewest frames per second
-HIGHEST_RATE = 240.0  # most frames per second
+SMALLEST = (160, 90)  # smallest width and height of a film [pixels]
+LARGEST = (7680, 4320)  # largest width and height of a film [pixels]
+LOWEST_RATE = 1.0  # lowest number of frames per second
+HIGHEST_RATE = 240.0  # highest number of frames per second
 
-# FFmpeg's numbers of colour spaces and of the range of values.
+# Numbers by which FFmpeg identifies colour spaces and the range of values.
 BT709 = 1
 LIMITED = 1
-GLOBAL_HEADER = 1 << 22  # FFmpeg's flag: data for all frames are stored once in the file
+GLOBAL_HEADER = 1 << 22  # FFmpeg's flag for storing the data that all frames need only once in the file
 
 Pixels = NDArray[np.uint8]
 
@@ -61,13 +63,13 @@ class Codec:
         return self.pixel_format == "pal8"
 
     def tag(self, context: Any) -> None:
-        """Write the colour space into the file; otherwise players guess it and shift the colours."""
+        """Write the colour space into the file. Without it, players guess the colour space and show wrong colours."""
         if not self.indexed:
             context.color_range = LIMITED
             context.colorspace = context.color_primaries = context.color_trc = BT709
 
     def context(self, size: tuple[int, int], rate: Fraction) -> Any:
-        """Return an encoder with one thread. Its output can be joined with the output of another such encoder."""
+        """Return an encoder with one thread. The outputs of several such encoders can be joined."""
         context: Any = av.CodecContext.create(self.name, "w")
         context.width, context.height, context.pix_fmt = *size, self.pixel_format
         context.framerate, context.time_base, context.options = rate, 1 / rate, dict(self.options)
@@ -77,7 +79,7 @@ class Codec:
         return context
 
 
-REPEAT = (("loop", "0"),)  # option of the file format: repeat the film without end
+REPEAT = (("loop", "0"),)  # option of the GIF format that repeats the film endlessly
 CODECS: tuple[Codec, ...] = (
     Codec(
         ".mp4",
@@ -90,7 +92,8 @@ CODECS: tuple[Codec, ...] = (
         container_options=(("movflags", "+faststart"),),
         segmented=True,
     ),
-    # A GIF counts in hundredths of a second, and viewers slow down frames that are shorter than two of them.
+    # A GIF measures the duration of a frame in hundredths of a second. Viewers slow down frames shorter than two
+    # hundredths.
     Codec(".gif", "gif", "gif", "pal8", frame_rate=25.0, highest_rate=50.0, container_options=REPEAT),
 )
 
@@ -98,7 +101,9 @@ CODECS: tuple[Codec, ...] = (
 def check(
     output: Path | str, size: tuple[int, int], frame_rate: float | None, pixel_format: str | None = None
 ) -> Codec | None:
-    """Return the codec for `output`, or None for pictures. Raise UserError if `output` cannot be written."""
+    """Return the codec for `output`. Return None if `output` is a picture or a folder of pictures. Raise UserError if
+    `output` cannot be written.
+    """
     if not all(least <= side <= most for side, least, most in zip(size, SMALLEST, LARGEST, strict=True)):
         given, least, most = (f"{wide}x{high}" for wide, high in (size, SMALLEST, LARGEST))
         raise UserError(
@@ -159,7 +164,8 @@ def _require(codec: Codec) -> None:
     try:
         av.codec.Codec(codec.name, "w")
         av.format.ContainerFormat(codec.container, "w")
-    except ValueError:  # includes FFmpeg's error for an unknown codec and PyAV's for an unknown format
+    # FFmpeg's error for an unknown codec and PyAV's error for an unknown format are subclasses of ValueError.
+    except ValueError:
         raise UserError(
             _(
                 "cannot write {kind}: this PyAV was built without {codec}; choose another kind of film",
@@ -170,20 +176,26 @@ def _require(codec: Codec) -> None:
 
 
 class Palette:
-    """256 colours of a GIF, chosen by Pillow for `sample`: first the range of colours, then their means."""
+    """Palette of a GIF with 256 colours. Pillow chooses the colours from the picture `sample`. It first covers the
+    range of colours and then averages similar colours.
+    """
 
     def __init__(self, sample: pygame.Surface) -> None:
-        coverage = Image.Quantize.MAXCOVERAGE  # median cut would grey the background and shift every line
+        # The median-cut method would make the background grey and change the colour of every line.
+        coverage = Image.Quantize.MAXCOVERAGE
         self._colours = _image_of(sample).quantize(256, coverage, kmeans=1, dither=Image.Dither.NONE)
-        table = np.full((256, 4), 255, np.uint8)  # alpha, red, green, blue
+        table = np.full((256, 4), 255, np.uint8)  # columns: alpha, red, green, blue
         chosen = np.array(self._colours.getpalette("RGB"), np.uint8).reshape(-1, 3)
         table[: len(chosen), 1:] = chosen
         self._table = table
 
     def frame(self, surface: pygame.Surface) -> av.VideoFrame:
-        """Return `surface` in these colours, without dithering, so that still parts are equal in all frames."""
+        """Return a frame that shows `surface` in the colours of the palette. There is no dithering, so the parts that
+        do not move are equal in all frames.
+        """
         numbers = np.array(_image_of(surface).quantize(palette=self._colours, dither=Image.Dither.NONE))
-        picture: Any = (numbers, self._table)  # PyAV documents this pair, but its types lack it
+        # PyAV documents this pair of arrays, but its type annotations do not include it.
+        picture: Any = (numbers, self._table)
         return av.VideoFrame.from_ndarray(picture, format="pal8")
 
 
@@ -192,22 +204,26 @@ def _image_of(surface: pygame.Surface) -> Image.Image:
 
 
 class FrameMaker:
-    """Converter of surfaces into frames of a codec. It copies, so a surface can be reused. Each thread needs its own."""
+    """Converter of surfaces into frames of a codec.
+
+    The frame is a copy, so the surface can be used again afterwards. Each thread needs its own converter.
+    """
 
     def __init__(self, codec: Codec) -> None:
         self._codec, self._reformatter = codec, VideoReformatter()
 
     def __call__(self, surface: pygame.Surface) -> av.VideoFrame:
-        """Return the surface as a frame."""
+        """Return a frame that shows the surface."""
         frame = av.VideoFrame.from_numpy_buffer(pixels_of(surface), format="bgra")
         settings: Any = {"dst_colorspace": "ITU709", "dst_color_range": "MPEG", "threads": 1}
         return self._reformatter.reformat(frame, format=self._codec.pixel_format, **settings)
 
 
 def pixels_of(surface: pygame.Surface) -> Pixels:
-    """Return the pixels of a 32-bit surface without a copy: (height, width, 4), blue, green, red, unused. They lock the
-    surface.
+    """Return the pixels of a 32-bit surface without copying them. The surface is locked as long as the array exists.
+
+    The shape of the array is (height, width, 4). The last axis contains blue, green, red and an unused value.
     """
     width, height = surface.get_size()
-    view: Any = surface.get_view("0")  # a buffer; pygame's types lack this
+    view: Any = surface.get_view("0")  # pygame's type annotations do not show that this object is a buffer.
     return np.frombuffer(view, np.uint8).reshape(height, width, 4)

@@ -1,4 +1,6 @@
-"""Kymograph of each lane on one time axis, with scale bars and the trajectory as a fine line on the markers."""
+"""Kymograph (space-time picture) of each lane. All lanes have the same time axis. The picture has scale bars, and a
+fine line on the markers shows the trajectory of each bead.
+"""
 
 import math
 from collections.abc import Sequence
@@ -28,15 +30,15 @@ Pixels = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
 BLACK = (0, 0, 0)
-MARKER_WIDTH = 0.09  # as a fraction of a bead's length
-NARROWEST_MARKER = 5.0  # pixels
-MARKER_HALF_HEIGHT = 0.06  # as a fraction of a bead's length
-LINE_HEIGHT = 0.16  # height of the line of pixels above the ground, as a fraction of a bead's length
-SURROUNDINGS = 90.0  # pixels of a frame above and below the beads
+MARKER_WIDTH = 0.09  # width of a marker on a bead, as a fraction of the length of a bead
+NARROWEST_MARKER = 5.0  # smallest width of a marker [pixels]
+MARKER_HALF_HEIGHT = 0.06  # half of the height of a marker, as a fraction of the length of a bead
+LINE_HEIGHT = 0.16  # Height of the recorded line of pixels above the ground, as a fraction of the length of a bead
+SURROUNDINGS = 90.0  # Height of a camera frame above and below the beads [pixels]
 
 
 class SlitCamera:
-    """Camera that films lane `number` of `scene` from the side.
+    """Camera that films one lane of a scene from the side.
 
     Arguments:
         scene: the Scene.
@@ -53,22 +55,24 @@ class SlitCamera:
         self.drawing.backdrop(self.background)
         self.frame = pygame.Surface((width, height), 0, 32)
         self.line_y = round(self.drawing.ground - LINE_HEIGHT * self.drawing.bead)
-        self.marker = max(NARROWEST_MARKER, MARKER_WIDTH * self.drawing.bead)  # pixels
+        self.marker = max(NARROWEST_MARKER, MARKER_WIDTH * self.drawing.bead)  # width of a marker [pixels]
         chain = self.drawing.chain
         middle = [
             0.5 * (CYLINDER_LENGTH if is_gear(chain.contact[min(i, chain.contacts - 1)]) else 1.0)
             for i in range(len(chain.mass))
         ]
         self.middle = scene.view.length * (np.array(middle) + np.arange(len(middle)))
-        self.marked = np.isfinite(chain.mass)  # a wall does not have a marker
+        self.marked = np.isfinite(chain.mass)  # Walls have no markers.
 
     def markers(self, motion: Motion, rows: int | slice = slice(None)) -> Array:
-        """Return the (..., beads) centres of the markers in `rows` of the motion [pixels from the left of a frame]."""
+        """Return the centres of the markers on the beads (..., beads) for the samples `rows` of the motion. They are
+        measured in pixels from the left edge of a frame.
+        """
         places: Array = self.drawing.left() + self.drawing.scale * (motion.position[rows] + self.middle)
         return places[..., self.marked]
 
     def shoot(self, motion: Motion, row: int) -> pygame.Surface:
-        """Return the frame of row `row` of `motion`. The next call reuses the surface."""
+        """Return the frame that shows the sample `row` of `motion`. The next call reuses the surface."""
         self.frame.blit(self.background, (0, 0))
         self.drawing.paint(self.frame, motion, row, self.drawing.left())
         half = MARKER_HALF_HEIGHT * self.drawing.bead
@@ -78,44 +82,51 @@ class SlitCamera:
         return self.frame
 
     def line(self, motion: Motion, row: int) -> Pixels:
-        """Return the (width, 3) line of pixels of that frame through the markers: red, green, blue."""
+        """Return the horizontal line of pixels through the markers in the frame of the sample `row`. Its shape is
+        (width, 3), with the colours red, green and blue.
+        """
         cut: Pixels = pixels_of(self.shoot(motion, row))[self.line_y, :, 2::-1].copy()
         return cut
 
 
 def stacked(camera: SlitCamera, motion: Motion) -> Pixels:
-    """Return the kymograph: the (T, width, 3) lines of all frames, with time along the first axis."""
+    """Return the kymograph as an array (T, width, 3). It contains one line of pixels from each frame. Time increases
+    along the first axis.
+    """
     return np.stack([camera.line(motion, row) for row in range(len(motion.time))])
 
 
-CAMERA_RATE = 2052.0  # frames per second of the paper's camera
+CAMERA_RATE = 2052.0  # frame rate of the camera in the paper [frames per second]
 CAMERA_FRAMES = Frames(of=N_("kymograph"), remedy=N_("choose fewer frames a second (--fps)"))
-FEWEST_FRAMES = 120  # fewest frames of a kymograph; a shorter motion gets more frames per second
+FEWEST_FRAMES = 120  # Smallest number of frames of a kymograph. If the motion is shorter, the frame rate increases.
 
-# Design pixels around the lanes.
-MARGIN = 28.0  # left and right
+# The following lengths are margins around the lanes, in design pixels.
+MARGIN = 28.0  # left and right margin
 HEADER = 80.0
-FOOTER = 58.0  # contains the time bar
-SIDE = 92.0  # contains the length bars
-LABEL = 24.0  # above a lane with a name
-LANE_GAP = 14.0  # below each lane
+FOOTER = 58.0  # lower margin, which contains the time bar
+SIDE = 92.0  # margin on the right, which contains the length bars
+LABEL = 24.0  # height of the name above a lane
+LANE_GAP = 14.0  # space below each lane
 
-TIME_BAR = 0.1  # s, as in the paper
-SHORTEST_TIME = 0.35  # shortest time [s] of a kymograph in SI units, so that the paper's bar fits
-DOT = 5  # pixels of a dotted line
-MARK = 13.0  # design pixels of the name
+TIME_BAR = 0.1  # length of the time bar [s], as in the paper
+# Shortest duration [s] of a kymograph in SI units. It leaves enough space for the time bar of the paper.
+SHORTEST_TIME = 0.35
+DOT = 5  # length of one dot of a dotted line [pixels]
+MARK = 13.0  # height of the name of a dotted line [design pixels]
 WHITE = (255, 255, 255)
 
 
 def in_si(scene: Scene) -> bool:
-    """Return True if the scene is in SI units, that is, if it sets length and mass of its beads."""
+    """Return True if the scene uses SI units. A scene uses SI units if it sets the length and the mass of its beads."""
     massive = all("mass" in lane.model_fields_set for lane in scene.lanes)
     return massive and "length" in scene.view.model_fields_set
 
 
 def camera_rate(scene: Scene, end: float, width: int) -> float:
-    """Return the frames per second of motion that ends at `end` [s]: in SI units the paper's, or a fraction or multiple
-    that fits `width`.
+    """Return the number of camera frames per second of motion. `end` [s] is the end of the motion.
+
+    In SI units, the rate is the rate of the paper's camera. If this rate does not suit `width`, it is multiplied or
+    divided by a whole number.
     """
     span = sum(shown_span(scene, end))
     if not in_si(scene):
@@ -127,11 +138,11 @@ def camera_rate(scene: Scene, end: float, width: int) -> float:
 
 
 def filmed_scene(scene: Scene, end: float) -> Scene:
-    """Return the scene with overlaps to scale and, in SI units, with enough time after its `end` [s] for the paper's
-    bar.
+    """Return the scene with overlaps drawn to scale. If the scene is in SI units, it is shown long enough for the time
+    bar of the paper.
 
-    The motion of beads that never touch does not end. They are shown until the fastest has moved a bead's length away
-    from the others.
+    `end` [s] is the end of the motion. If the beads never touch, their motion does not end. They are shown until the
+    fastest bead is one bead length farther from the others.
     """
     view = {"magnify": 1.0}
     after = after_time(scene, end)
@@ -151,15 +162,16 @@ def render_kymograph(
     method: str | None = None,
     step: float | None = None,
 ) -> RenderReport:
-    """Write a kymograph of `scene` to `output`, completely or not at all.
+    """Write a kymograph of `scene` to `output`. If this fails, no file is written.
 
     Arguments:
         scene: the Scene.
         output: a .png file.
         size: (width, height) of the picture [pixels].
-        fps: camera frames per second of motion; None: 2052 as in the paper if the scene is in SI units, otherwise one
-            for each column of pixels.
-        method, step: as for a film.
+        fps: camera frames per second of motion. None means 2052 as in the paper if the scene is in SI units, and
+            otherwise
+            one frame for each column of pixels.
+        method, step: method and time step of the simulation, as for a film.
 
     Raises:
         UserError: if the kymograph cannot be written or the scene cannot be simulated.
@@ -181,7 +193,9 @@ def render_kymograph(
 
 
 def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate: float, unit: float) -> None:
-    """Draw everything on `surface`. The `motions` have `rate` rows per second, one for each camera frame."""
+    """Draw the complete picture on `surface`. The `motions` have `rate` samples per second. There is one sample for
+    each camera frame.
+    """
     surface.fill(tones.background)
     wide, high = surface.get_size()
     left, scales = round(MARGIN * unit), scales_of(scene, motions)
@@ -211,16 +225,19 @@ def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate
 
 
 def _width(wide: int, unit: float) -> int:
-    """Return the columns of pixels of the kymographs in a picture of `wide` pixels."""
+    """Return the width of the kymographs in a picture that is `wide` pixels wide. The result is in columns of pixels."""
     return round(wide - (2 * MARGIN + SIDE) * unit)
 
 
 def instants(motion: Motion) -> list[tuple[str, int]]:
-    """Return name and row of the marked moments: the release of strikers that start apart, as in the paper, and the
-    first touch.
+    """Return the name and the sample number of each marked moment.
+
+    The marked moments are the release of strikers that start apart from the others, as in the paper, and the first
+    touch.
     """
     found = []
-    # motions that start in touch have a lead before t = 0; without one they never touch, or an external force acts
+    # Beads that touch at the start move in free flight before t = 0. If the motion has no free flight, the beads never
+    # touch, or an external force acts.
     if motion.time[0] == 0.0 and (motion.overlap[0] < 0.0).any() and not (motion.force[0] > 0.0).any():
         found.append(("release", 0))
     pushing = np.flatnonzero((motion.force > 0.0).any(axis=1))
@@ -230,7 +247,7 @@ def instants(motion: Motion) -> list[tuple[str, int]]:
 
 
 def _mark(surface: pygame.Surface, place: pygame.Rect, x: int, words: str, down: float, unit: float) -> None:
-    """Draw a dotted line across `place` and its name, `down` pixels below the upper end."""
+    """Draw a dotted line across the rectangle `place`. Write the name of the line `down` pixels below its upper end."""
     for y in range(place.top, place.bottom, 2 * DOT):
         surface.fill(tones.foreground, (x, y, 1, min(DOT, place.bottom - y)))
     size = MARK * unit
@@ -239,14 +256,15 @@ def _mark(surface: pygame.Surface, place: pygame.Rect, x: int, words: str, down:
 
 
 def _lane(surface: pygame.Surface, place: pygame.Rect, camera: SlitCamera, motion: Motion, unit: float) -> None:
-    """Draw the stacked lines, stretched over `place` with positions upwards, and dotted lines at release and first
-    touch.
+    """Draw the kymograph of one lane, stretched to the rectangle `place`. Positions increase upwards. Dotted lines mark
+    the release and the first touch.
     """
     lines: Pixels = stacked(camera, motion)
     frame_of = np.arange(place.width) * len(lines) // place.width
     surface.blit(pygame.surfarray.make_surface(lines[frame_of][:, ::-1]), place.topleft)
     column = place.width / len(lines)
-    for k, (words, row) in enumerate(instants(motion)):  # one below the other, because they may be close together
+    # The names are written at different heights because the marked moments can be close together.
+    for k, (words, row) in enumerate(instants(motion)):
         x = round(place.left + column * row)
         _mark(surface, place, x, words, (6.0 + 1.8 * MARK * k) * unit, unit)
     xs = place.left + column * (np.arange(len(lines)) + 0.5)
@@ -255,7 +273,7 @@ def _lane(surface: pygame.Surface, place: pygame.Rect, camera: SlitCamera, motio
 
 
 def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camera: SlitCamera, unit: float) -> None:
-    """Draw a bar on the right, as long as a bead."""
+    """Draw a scale bar on the right. It is as long as a bead."""
     length = scene.view.length
     x, tall = place.right + 16 * unit, length * camera.drawing.scale
     fill_rectangle(surface, tones.foreground, (x, place.bottom - tall, 4 * unit, tall))
@@ -267,8 +285,10 @@ def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camer
 def _time_bar(
     surface: pygame.Surface, scene: Scene, motion: Motion, axis: tuple[float, float], high: int, unit: float
 ) -> None:
-    """Draw the time bar: the paper's 100 ms if they fit, otherwise a round time. `axis` is the left end and pixels per
-    second.
+    """Draw the time bar. It is 100 ms long as in the paper if there is enough space. Otherwise its length is a round
+    time.
+
+    `axis` contains the left end of the time axis [pixels] and the number of pixels per second.
     """
     left, pixels = axis
     span = float(motion.time[-1] - motion.time[0])

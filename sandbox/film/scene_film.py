@@ -1,4 +1,6 @@
-"""Film of a scene: compute the motion, draw every frame, and encode the frames in a thread of the film."""
+"""Film of a scene. The module computes the motion, draws every frame, and passes the frames to the encoder, which runs
+in separate threads.
+"""
 
 import math
 import os
@@ -16,18 +18,20 @@ from softcradle.sandbox.film.scene_motion import Frames, checked_slow, first_for
 from softcradle.sandbox.motion import Motion
 from softcradle.scenes import Scene
 
-READING_TIME = 0.22  # seconds of film for each word of the scene's text
-LONGEST_READING_TIME = 5.0  # longest time of the scene's text in seconds of film
-LEAST_ROWS = 50.0  # fewest rows of the motion per second of film, so that curves stay smooth at low frame rates
-FADE_TIME = 0.5  # seconds of film in which the text appears
-LAST_FRAME_TIME = 1.2  # seconds of film that show the last frame before the text
-MOST_BEFORE_HIT = 0.2  # fraction of a film without its text; a longer flight before the first force is cut
+READING_TIME = 0.22  # duration for which the scene's text is shown, in seconds of film per word
+LONGEST_READING_TIME = 5.0  # longest duration for which the scene's text is shown [s of film]
+# Smallest number of samples of the motion per second of film. It keeps curves smooth at low frame rates.
+LEAST_ROWS = 50.0
+FADE_TIME = 0.5  # duration in which the text of the scene appears [s of film]
+LAST_FRAME_TIME = 1.2  # duration for which the last frame is shown before the text appears [s of film]
+# Longest flight before the first force, as a fraction of a film without its text. A longer flight is cut.
+MOST_BEFORE_HIT = 0.2
 FOLDER_RATE = 60.0  # default frames per second of a folder of pictures
 
 
 @dataclass(frozen=True)
 class RenderReport:
-    """Result and cost of a render.
+    """Result and cost of writing a film or picture.
 
     Attributes:
         output: the file or folder.
@@ -36,7 +40,7 @@ class RenderReport:
         seconds: total wall time.
         simulated: wall time until the motion was computed [s].
         first_frame: wall time until the first frame was drawn [s].
-        clock: time of the first frame [s].
+        clock: time of the motion that the first frame shows [s].
     """
 
     output: Path
@@ -60,22 +64,23 @@ def render_scene(
     pixel_format: str | None = None,
     progress: bool = True,
 ) -> RenderReport:
-    """Write `scene` as a film to `output`, completely or not at all.
+    """Write `scene` as a film to `output`. If this fails, no file is written.
 
     Arguments:
         scene: the Scene.
-        output: .mp4 or .gif; .png for one picture at the largest force; a folder (ends in /) for numbered
-            PNG files.
+        output: name of the output. A name that ends in .mp4 or .gif is a film. A name that ends in .png is one picture
+            at
+            the largest force. A folder, which ends in /, contains numbered PNG files.
         size: (width, height) [pixels].
-        fps: frames per second; None: 60 for mp4 and folders, 25 for GIF, 30 for WebP and AVIF.
-        slow: seconds of film for each second of motion; None takes the scene's.
-        method, step: of the simulation; None takes the scene's, else `conserving`, whose steps (a thousandth of the
-            shortest contact) are finer than a pixel.
-        pixel_format: yuv420p or yuv444p, for mp4.
-        progress: show a bar with the remaining time.
+        fps: frames per second. None means 60 for mp4 and folders, 25 for GIF, and 30 for WebP and AVIF.
+        slow: seconds of film for each second of motion. None uses the value of the scene.
+        method, step: method and time step of the simulation. None uses the values of the scene. The default is
+            `conserving`. Its steps are a thousandth of the shortest contact and finer than a pixel.
+    pixel_format: yuv420p or yuv444p, for mp4.
+        progress: if True, show a bar with the remaining time.
 
     Raises:
-        UserError: if the film cannot be written or the scene cannot be simulated; nothing is left behind.
+        UserError: if the film cannot be written or the scene cannot be simulated. No file is left behind.
     """
     start = perf_counter()
     output = os.fspath(output)
@@ -109,21 +114,25 @@ def render_scene(
 
 @dataclass(frozen=True)
 class Shot:
-    """One frame: the row of the motions, and the opacity of the scene's text (0 to 1)."""
+    """One frame of a film. It consists of the sample number of the motions and the opacity of the scene's text (0 to
+    1).
+    """
 
     row: int
     text_opacity: float = 0.0
 
 
 def film_shots(scene: Scene, motions: Sequence[Motion], rate: float, rows_a_frame: int = 1) -> list[Shot]:
-    """Return the frames of a film of `motions` at `rate` frames per second."""
+    """Return the list of frames of a film that shows `motions` at `rate` frames per second."""
     return shot_list(scene, len(motions[0].time), rate, rows_a_frame, first_force(motions))
 
 
 def shot_list(scene: Scene, rows: int, rate: float, rows_a_frame: int = 1, hit: int = 0) -> list[Shot]:
-    """Return the frames: the motion, the last row for a moment, and the last row again while the scene's text is shown.
+    """Return the list of frames of a film. It first shows the motion. Then it shows the last sample for a moment.
+    Finally, it shows the last sample together with the text of the scene.
 
-    `hit` is the row of the first force. At most MOST_BEFORE_HIT of the film shows the time before it.
+    `hit` is the sample number of the first force. The time before this sample takes at most the fraction
+    MOST_BEFORE_HIT of the film.
     """
     reading = round(min(READING_TIME * len(scene.text.split()), LONGEST_READING_TIME) * rate)
     fade, still = max(1, round(FADE_TIME * rate)), round(LAST_FRAME_TIME * rate)

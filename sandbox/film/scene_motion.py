@@ -1,4 +1,6 @@
-"""Motion of a scene for a film: one row for each frame, the same times for all lanes, free flight before and after."""
+"""Motion of a scene for a film. Each frame shows one sample. All lanes have samples at the same times. Free flight is
+added before and after the motion.
+"""
 
 import math
 import warnings
@@ -17,19 +19,23 @@ from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_schema import MOST_SLOW
 
-LEAD = 0.25  # free flight before the start of a scene that begins in touch, as a fraction of its motion
-AFTER = 0.35  # default free flight after the end of a scene, as a fraction of its motion
-MOST_FRAMES = 100_000  # with more frames, slow motion or rate is probably a typing error
-MOST_ROWS = 100_000  # most rows of a motion for one picture: enough for the moment and for its curves
+# Duration of the free flight before the start, as a fraction of the motion. It is shown only if beads touch at the
+# start.
+LEAD = 0.25
+AFTER = 0.35  # Default duration of the free flight after the end of a scene, as a fraction of the motion.
+# Largest number of frames. If there are more, the slow motion or the frame rate is probably a typing error.
+MOST_FRAMES = 100_000
+# Largest number of samples of a motion for one picture. It suffices to find the moment and to draw the curves.
+MOST_ROWS = 100_000
 
 
 @dataclass(frozen=True)
 class Frames:
-    """Use of a motion that is drawn frame by frame.
+    """Description of a film or picture that is drawn frame by frame.
 
     Attributes:
-        rows: rows of the motion for each frame.
-        of: its name, marked for translation.
+        rows: number of samples of the motion for each frame.
+        of: name of the film or picture, marked for translation.
         remedy: advice for the user if there would be too many frames, marked for translation.
     """
 
@@ -46,14 +52,18 @@ def scene_motions(
     end: float | None = None,
     frames: Frames | None = None,
 ) -> list[Motion]:
-    """Return the motion of each lane of `scene`. Warnings of a run are RuntimeWarnings.
+    """Return the motion of each lane of `scene`. Warnings of the simulation are emitted as RuntimeWarnings.
 
     Arguments:
         scene: the Scene.
-        rows_per_second: rows for each second of motion.
-        method, step: None takes the scene's, else `conserving` with its default step.
+        rows_per_second: number of samples for each second of motion.
+        method, step: method and time step. None uses the values of the scene. The default is `conserving` with its
+            default
+            step.
         end: end of the last lane [s], if :func:`motion_end` has computed it already.
-        frames: use of the rows; None: one picture, or scales, so a long motion has fewer rows per second.
+        frames: description of the film. None means that the motion is used for one picture or for scales. A long motion
+            then
+            has fewer samples per second.
 
     Raises:
         UserError: if the method or step does not suit the scene, or if there would be too many frames.
@@ -74,9 +84,11 @@ def scene_motions_quietly(
     most: int | None = None,
     frames: Frames | None = None,
 ) -> tuple[list[Motion], tuple[str, ...]]:
-    """Like :func:`scene_motions`, but return the warnings as sentences, because Python's warnings are not thread-safe.
+    """Return the motion of each lane of `scene` and the warnings of the simulation as sentences. See
+    :func:`scene_motions`.
 
-    A lane that takes more than `most` steps times contacts counts as given up.
+    The warnings are returned because the warnings of Python are not thread-safe. If a lane takes too many steps, its
+    simulation counts as given up. The limit for the number of steps times the number of contacts is `most`.
     """
     said = ""
     if end is None:
@@ -91,10 +103,10 @@ def scene_motions_quietly(
 
 
 def motion_end(scene: Scene, method: str | None = None, step: float | None = None) -> float:
-    """Return the end [s] of the last lane of `scene`, or its duration; warn if more follows after a pause too long to
-    show.
+    """Return the time [s] at which the motion of the last lane ends, or the duration of the scene if it has one.
 
-    Raise UserError like :func:`scene_motions`.
+    Emit a warning if more motion follows after a pause that is too long to show. Raise UserError for the same reasons
+    as :func:`scene_motions`.
     """
     end, said = _end_and_sentence(scene, method, step)
     if said:
@@ -105,7 +117,9 @@ def motion_end(scene: Scene, method: str | None = None, step: float | None = Non
 def _end_and_sentence(
     scene: Scene, method: str | None, step: float | None, most: int | None = None
 ) -> tuple[float, str]:
-    """Return the end [s] of the last lane, or its duration, and a sentence if more follows after a long pause."""
+    """Return the end [s] of the last lane, or the duration of the scene. Also return a sentence if more motion follows
+    after a long pause.
+    """
     if scene.duration is not None:
         return scene.duration, ""
     return quiet_end(_solved(scene, method, step, most, samples=2))
@@ -114,14 +128,15 @@ def _end_and_sentence(
 def _solved(
     scene: Scene, method: str | None, step: float | None, most: int | None, **settings: Any
 ) -> list[Trajectory]:
-    usual = SHOWN if scene.step is None else None  # with a step and no method, the scene decides the method
+    # If the scene has a time step but no method, the scene chooses the method.
+    usual = SHOWN if scene.step is None else None
     found = run_scene(scene, most, method=method or scene.method or usual, step=step, **settings)
     require_whole(N_("a film"), found)
     return found
 
 
 def require_whole(what: str, trajectories: Sequence[Trajectory]) -> None:
-    """Raise GaveUpError if a method gave up before the end of the motion."""
+    """Raise GaveUpError if the simulation of a trajectory gave up before the end of the motion."""
     for trajectory in trajectories:
         if trajectory.status.gave_up:
             warnings = "; ".join(map(str, trajectory.warnings))
@@ -129,7 +144,9 @@ def require_whole(what: str, trajectories: Sequence[Trajectory]) -> None:
 
 
 def checked_slow(slow: float) -> float:
-    """Return the seconds of film for each second of motion, within the limits of a scene. Raise UserError."""
+    """Return `slow`, the seconds of film for each second of motion. Raise UserError if it exceeds the limits of a
+    scene.
+    """
     if not 1.0 / MOST_SLOW <= slow <= MOST_SLOW:
         raise UserError(
             _(
@@ -143,7 +160,7 @@ def checked_slow(slow: float) -> float:
 
 
 def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> Array:
-    """Return the times of all rows [s]; the start, 0, is one of them."""
+    """Return the times of all samples [s]. The start of the motion, 0, is one of them."""
     lead, until = shown_span(scene, end)
     if frames is None and (lead + until) * rate > MOST_ROWS:
         rate = MOST_ROWS / (lead + until)
@@ -162,7 +179,7 @@ def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> 
 
 
 def shown_span(scene: Scene, end: float) -> tuple[float, float]:
-    """Return how long [s] `scene`, whose motion ends at `end`, is shown before its start and from there on."""
+    """Return how long [s] the scene is shown before its start and after its start. `end` [s] is the end of its motion."""
     starts = [(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes]
     apart = any(any(chain.gap) for chain, _ in starts)
     lead = 0.0 if apart else min(LEAD * end, *(longest_lead(chain, velocity) for chain, velocity in starts))
@@ -170,24 +187,28 @@ def shown_span(scene: Scene, end: float) -> tuple[float, float]:
 
 
 def after_time(scene: Scene, end: float) -> float:
-    """Return the free flight [s] to show after the last contact has opened at `end` [s]."""
+    """Return the duration [s] of the free flight that is shown after the end of the motion. `end` [s] is the time at
+    which the last contact has opened.
+    """
     if scene.duration is not None:
         return 0.0
     return AFTER * end if scene.view.after is None else scene.view.after
 
 
 def require_finite(motions: Sequence[Motion]) -> None:
-    """Raise a UserError if a motion is not finite, because a picture cannot show it."""
+    """Raise UserError if a motion contains numbers that are not finite, because a picture cannot show them."""
     if not all(np.isfinite(motion.position).all() and np.isfinite(motion.force).all() for motion in motions):
         method = motions[0].method
         raise UserError(_("The motion by {method} did not stay finite: choose a smaller step.", method=method))
 
 
 def first_force(motions: Sequence[Motion]) -> int:
-    """Return the first row with a contact force (push or pull) in any lane, or 0."""
+    """Return the number of the first sample at which a contact of any lane pushes or pulls. Return 0 if there is none."""
     return int(np.argmax(np.any([(motion.force != 0.0).any(axis=1) for motion in motions], axis=0)))
 
 
 def strongest_row(motions: Sequence[Motion]) -> int:
-    """Return the row with the largest contact force (push or pull) of all lanes: the moment for a single picture."""
+    """Return the number of the sample with the largest contact force (push or pull) of all lanes. A single picture
+    shows this sample.
+    """
     return int(np.argmax(np.max([np.abs(motion.force).max(axis=1) for motion in motions], axis=0)))
