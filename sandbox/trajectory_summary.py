@@ -27,7 +27,8 @@ class BeadSummary:
         mass: mass [kg]; None for a wall.
         start_velocity: velocity at the start [m/s]; None if the samples begin later.
         final_velocity: velocity at the end [m/s]; None if the motion did not stay finite.
-        velocity_error: estimated error of the final velocity [m/s]; None if the method does not estimate it (fixed steps).
+        velocity_error: estimated error of the final velocity [m/s]; None if the method does not estimate it (fixed
+            steps).
     """
 
     mass: float | None
@@ -45,8 +46,7 @@ class ContactSummary:
         times: number of closings.
         still_closed: True if the contact is closed at the end.
         largest_overlap, largest_force: largest sampled overlap [m] and force [N]. None if the motion did not stay
-            finite,
-            or if the contact closed and opened between two samples.
+            finite, or if the contact closed and opened between two samples.
         largest_pull: largest pulling force of a coupler [N]; 0 for other contacts, None in the same cases.
     """
 
@@ -69,17 +69,13 @@ class Summary:
         end: time of the last sample [s].
         velocity_error: largest estimated error of a velocity [m/s]; None if the method does not estimate errors.
         energy_error: largest change of the energy balance (:attr:`Trajectory.ledger`) relative to the energy at the
-            start.
-            In a driven motion (drive, forces, moving walls, pointer or edits) it is relative to the largest energy.
-                None if
-            that energy is 0 or the balance is not known.
+            start. In a driven motion (drive, forces, moving walls, pointer or edits) it is relative to the largest
+            energy. None if that energy is 0 or the balance is not known.
         energy_error_at_end: the same at the end. Errors of explicit methods are largest during the collision.
         momentum_error: largest unexplained change of the momentum, relative to the sum of abs(m v) at the start, or to
-            the
-            largest such sum in a driven motion. None if that sum is 0, or if a wall or the bed exchanges momentum.
+            the largest such sum in a driven motion. None if that sum is 0, or if a wall or the bed exchanges momentum.
         absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction absorbed until the
-            end;
-            None if the motion did not stay finite.
+            end; None if the motion did not stay finite.
         method: name of the method.
         step: time step [s]; 0 if the method chooses its steps.
         tolerance: tolerance; 0 if the step is fixed.

@@ -169,8 +169,7 @@ def render_kymograph(
         output: a .png file.
         size: (width, height) of the picture [pixels].
         fps: camera frames per second of motion. None means 2052 as in the paper if the scene is in SI units, and
-            otherwise
-            one frame for each column of pixels.
+            otherwise one frame for each column of pixels.
         method, step: method and time step of the simulation, as for a film.
 
     Raises:

@@ -58,12 +58,10 @@ def scene_motions(
         scene: the Scene.
         rows_per_second: number of samples for each second of motion.
         method, step: method and time step. None uses the values of the scene. The default is `conserving` with its
-            default
-            step.
+            default step.
         end: end of the last lane [s], if :func:`motion_end` has computed it already.
         frames: description of the film. None means that the motion is used for one picture or for scales. A long motion
-            then
-            has fewer samples per second.
+            then has fewer samples per second.
 
     Raises:
         UserError: if the method or step does not suit the scene, or if there would be too many frames.
