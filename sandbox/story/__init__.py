@@ -1,5 +1,5 @@
-"""Story of a motion as values: its events, and which beads move where. Each term has a single definition here.
+"""Description of a motion as values: its events, and the beads that move together. Each term is defined only here.
 
-Window, terminal, films, lessons, notebooks and pages report these values. Pages contain the bounds and
-words that `page_story.py` returns.
+The window, terminal, films, lessons, notebooks and pages report these values. Pages contain the limits and words that
+`page_story.py` returns.
 """

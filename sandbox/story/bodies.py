@@ -1,4 +1,6 @@
-"""Words for the bodies of a row: bead, wagon or cylinder, alone, with an article, and after "drag"."""
+"""Words for the bodies of a chain: bead, wagon or cylinder. Each word exists without article, with article, and as the
+object of "drag".
+"""
 
 from typing import NamedTuple
 
@@ -13,9 +15,9 @@ class Body(NamedTuple):
     """Words for one kind of body, marked for translation.
 
     Attributes:
-        one, many: one body, and several bodies.
-        the, those: the same before numbers; in French with the article. Marked in the context THE.
-        a: one body after "drag". Marked in the context DRAG.
+        one, many: the word for one body, and the word for several bodies.
+        the, those: the same words in front of numbers. In French they include the article. Marked in the context THE.
+        a: the word for one body after "drag". Marked in the context DRAG.
     """
 
     one: str
@@ -25,27 +27,30 @@ class Body(NamedTuple):
     a: str
 
     def words(self) -> dict[str, str]:
-        """Return the words in the current language by their names."""
+        """Return the words in the current language, by attribute name."""
         found = {name: gettext(getattr(self, name)) for name in ("one", "many")}
         found |= {name: pgettext(THE, getattr(self, name)) for name in ("the", "those")}
         return found | {"a": pgettext(DRAG, self.a)}
 
 
-# Mass [kg] from which on bodies are wagons, and all masses of a chain are written in tonnes.
+# Smallest mass [kg] of a wagon. If a chain contains such a mass, all its masses are written in tonnes.
 HEAVY = 1e4
 
 
 def is_gear(joint: Joint) -> bool:
-    """Return True if the contact is drawn as a piston, because it is a preloaded spring or a coupler that pushes with
-    one.
+    """Return True if the contact is drawn as a piston.
+
+    A preloaded spring is drawn as a piston. So is a coupler whose pushing side is a preloaded spring.
     """
     contact = joint.push if isinstance(joint, Coupler) else joint
     return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
 
 
 def body_word(chain: Chain) -> str:
-    """Return the word for the bodies of a chain, a key of BODIES: wagon if all are as heavy as wagons, cylinder if all
-    contacts are draft gears, otherwise bead. Pages have the same rule.
+    """Return the word for the bodies of a chain, which is a key of BODIES. Pages use the same rule.
+
+    The word is "wagon" if all bodies are as heavy as wagons. It is "cylinder" if all contacts are draft gears.
+    Otherwise it is "bead".
     """
     if min(chain.mass) >= HEAVY:
         return "wagon"
@@ -53,7 +58,7 @@ def body_word(chain: Chain) -> str:
 
 
 def capital(text: str) -> str:
-    """Return `text` with a capital at its beginning."""
+    """Return `text` with a capital first letter."""
     return text[:1].upper() + text[1:]
 
 

@@ -1,4 +1,5 @@
-"""The end of a motion: whether contacts can still close, and when a motion of long pauses is shown to its end.
+"""End of a motion. The module decides whether contacts can still close. It also decides how much is shown of a motion
+with long pauses.
 
 Tests: tests/sandbox/story/test_ending.py
 """
@@ -14,21 +15,23 @@ from softcradle.physics.simulation import endless
 if TYPE_CHECKING:
     from softcradle.physics import Chain, State, Trajectory
 
-# Largest rate of an overlap that is round-off, as a fraction of the closing speed. Pages use the same number.
+# Largest rate of change of an overlap that counts as a rounding error, as a fraction of the closing speed. Pages use
+# the same number.
 AT_REST = 1e-9
-# Longest pause that is shown, in multiples of the time seen so far.
+# Longest pause that is shown, as a multiple of the time seen before the pause.
 PATIENCE = 100.0
 
 
 def is_endless(chain: Chain, state: State) -> bool:
-    """Return True if contacts may close again and again, by the rule of runs without a duration."""
+    """Return True if contacts may close again and again. Simulations without a duration use the same rule."""
     return bool(endless(chain, state.velocity(chain)))
 
 
 def is_over(chain: Chain, state: State, speed: float) -> bool:
-    """Return True if no contact can close any more: all are open and no beads approach each other. On a bed all beads rest.
+    """Return True if no contact can close any more.
 
-    `speed` is the closing speed [m/s].
+    All contacts must be open, and no neighbouring beads may approach each other. On a friction bed, all beads must be
+    at rest. `speed` is the closing speed [m/s].
     """
     if is_endless(chain, state) or state.time < max(chain.knots, default=0.0):
         return False
@@ -38,10 +41,12 @@ def is_over(chain: Chain, state: State, speed: float) -> bool:
 
 
 def quiet_end(trajectories: Sequence[Trajectory]) -> tuple[float, str]:
-    """Return the end [s] of `trajectories`, the lanes of a scene, and a sentence if more follows after a long pause.
+    """Return the end [s] of the shown motion and a sentence. The sentence is empty unless more motion follows after a
+    long pause.
 
-    The time seen so far lasts from the start to the last opening and includes the flight over all gaps at the closing
-    speed, so beads that are far apart have enough time.
+    `trajectories` are the lanes of a scene. A pause is long compared with the time seen before it. This time lasts from
+    the start until the last contact opens. The time in which the closing speed crosses all gaps is added to it, because
+    beads that are far apart need more time to meet.
     """
     end = max(float(found.time[-1]) for found in trajectories)
     spans = sorted(span for found in trajectories for spans in found.contact_intervals for span in spans)
@@ -59,6 +64,6 @@ def quiet_end(trajectories: Sequence[Trajectory]) -> tuple[float, str]:
 
 
 def _flight_time(found: Trajectory) -> float:
-    """Return the time [s] in which the initial closing speed crosses all gaps of a chain."""
+    """Return the time [s] in which a bead with the initial closing speed would cross all gaps of a chain."""
     gaps = float(np.maximum(found.chain.gap, 0.0).sum())
     return gaps / (float(np.ptp(found.velocity[0])) or 1.0)

@@ -1,4 +1,6 @@
-"""The story of one lane up to a moment: first hit, contacts that are closed, last opening, and the outcome."""
+"""Description of the motion of one lane until a chosen moment. It contains the first hit, the number of closed
+contacts, the last opening of a contact, and the outcome.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +17,17 @@ from softcradle.sandbox.story.outcome import Outcome, outcome_of
 if TYPE_CHECKING:
     from softcradle.physics import Trajectory
 
-# Smallest speed of a hit, as a fraction of the closing speed. Contacts that close more slowly only begin to push.
+# Smallest speed of a hit, as a fraction of the closing speed. If a contact closes more slowly, its beads only begin to
+# push.
 LEAST_HIT = 0.01
 
 
 @dataclass(frozen=True)
 class Hit:
-    """The first hit: its time [s], the speed [m/s] with which the two beads approached, and the bead on its left.
+    """First hit between two beads.
 
-    `walls` is True for each of the two beads that is a wall.
+    The attributes are the time [s], the speed [m/s] with which the two beads approached each other, and the number of
+    the left bead. `walls` contains True for each of the two beads that is a wall.
     """
 
     time: float
@@ -34,16 +38,16 @@ class Hit:
 
 @dataclass(frozen=True)
 class LaneStory:
-    """The story of one lane.
+    """Description of the motion of one lane until a chosen moment.
 
     Attributes:
-        time: the moment [s] at which the story ends.
+        time: the moment [s] at which the description ends.
         contacts: number of contacts.
         closed: number of contacts that are closed at that moment.
         opened: time [s] at which the last contact opened; None if no contact has opened.
         hit: the first hit, or None.
         outcome: the groups of beads.
-        stopped: True if friction of the bed has stopped all beads since.
+        stopped: True if friction of the bed has stopped all beads after the outcome.
         body: word for the bodies, a key of :data:`softcradle.sandbox.story.bodies.BODIES`.
     """
 
@@ -58,12 +62,13 @@ class LaneStory:
 
 
 def first_hit(closings: Iterable[tuple[float, float, int]], mass: Sequence[float], speed: float) -> Hit | None:
-    """Return the first hit among closings of contacts, or None.
+    """Return the first hit among the closings of contacts. Return None if there is no hit.
 
-    Contacts that were pressed or pulled together without a hit do not count. Of hits at the same time, the fastest counts.
+    If a contact was closed slowly by pressing or pulling, it is not a hit. If several hits happen at the same time, the
+    fastest one is returned.
 
     Arguments:
-        closings: time [s], speed of approach before it [m/s], and number of the contact.
+        closings: for each closing, its time [s], the speed of approach before it [m/s], and the number of the contact.
         mass: (n+1,) masses [kg].
         speed: the closing speed at the start [m/s].
     """
@@ -75,7 +80,7 @@ def first_hit(closings: Iterable[tuple[float, float, int]], mass: Sequence[float
 
 
 def story_of(trajectory: Trajectory) -> LaneStory:
-    """Return the story of a whole trajectory."""
+    """Return the description of a complete trajectory."""
     start, end = trajectory.velocity[0], trajectory.final_velocity
     spans = [(span[0][0], k) for k, span in enumerate(trajectory.contact_intervals) if span]
     openings = [span[-1][1] for span in trajectory.contact_intervals if span]
@@ -95,8 +100,8 @@ def story_of(trajectory: Trajectory) -> LaneStory:
 def motion_outcome(motion: Motion, lasts: bool) -> Outcome:
     """Return the outcome of a motion that is drawn.
 
-    On a bed friction goes on to slow beads that have come apart, so their outcome has the velocities at that moment, unless
-    the scene has a duration (`lasts`).
+    On a friction bed, beads continue to slow down after they have separated. Their outcome therefore uses the
+    velocities at the moment of separation. If the scene has a duration (`lasts`), it uses the final velocities.
     """
     row = len(motion.time) - 1
     if motion.chain.on_bed and not lasts:
@@ -106,6 +111,6 @@ def motion_outcome(motion: Motion, lasts: bool) -> Outcome:
 
 
 def _approach(trajectory: Trajectory, contact: int, time: float) -> float:
-    """Return how fast the beads of a contact approached each other before `time` [m/s]."""
+    """Return the speed [m/s] with which the two beads of a contact approached each other before `time` [s]."""
     row = max(int((trajectory.time <= time).sum()) - 1, 0)
     return float(trajectory.rate[row, contact])

@@ -1,5 +1,5 @@
-"""Numbers as text, with the decimal mark of the current language: tick labels, powers of ten, units. Also labels moved
-apart.
+"""Conversion of numbers into text with the decimal mark of the current language. The module writes tick labels, powers
+of ten and units. It also moves labels apart that would overlap.
 """
 
 import math
@@ -10,10 +10,11 @@ from softcradle.sandbox.languages import localized
 
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 FORCE_UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"), (1e-6, "µN"))
-ROUND_OFF = 1e-12  # Smaller absolute results are shown as 0, because they are rounding errors.
-MOST_DECIMALS = 4  # Most decimals of a number on an axis. Numbers that need more get a power of ten.
-LARGEST_PLAIN = 1e4  # Larger numbers are written with a metric prefix.
-LARGEST_PREFIXED = 1e13  # From here on, numbers get a power of ten, because no prefix of PREFIXES makes them short.
+ROUND_OFF = 1e-12  # Largest absolute value of a result that is shown as 0. Such small results are rounding errors.
+MOST_DECIMALS = 4  # Largest number of decimals on an axis. Numbers with more decimals are written with a power of ten.
+LARGEST_PLAIN = 1e4  # Largest number on an axis without a metric prefix.
+# Numbers of this size and more are written with a power of ten, because no prefix of PREFIXES makes them short.
+LARGEST_PREFIXED = 1e13
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SUBSCRIPTS = str.maketrans("-0123456789", "₋₀₁₂₃₄₅₆₇₈₉")
 
@@ -24,19 +25,21 @@ def power_of_ten(exponent: int) -> str:
 
 
 def subscript(*numbers: int) -> str:
-    """Return `numbers` as a subscript, such as 12 for the contact of beads 1 and 2. A minus separates them if one has
-    two digits.
+    """Return `numbers` as a subscript. For example, the contact of beads 1 and 2 has the subscript 12. If a number has
+    two digits, the numbers are separated by a minus sign.
     """
     return ("-" if max(numbers) > 9 else "").join(map(str, numbers)).translate(_SUBSCRIPTS)
 
 
 def signed(number: str) -> str:
-    """Return a number as text with a true minus sign and the decimal mark of the current language."""
+    """Return `number` with a true minus sign and the decimal mark of the current language. `number` is a number as
+    text.
+    """
     return localized(number.replace("-", MINUS))
 
 
 def fixed(value: float, decimals: int) -> str:
-    """Return `value` with `decimals` digits after the decimal mark. Zero is written without a minus sign."""
+    """Return `value` with `decimals` digits after the decimal mark. A zero has no minus sign."""
     text = f"{value:.{decimals}f}"
     if float(text) == 0.0:
         text = text.lstrip("-")
@@ -44,7 +47,9 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def scientific(value: float, digits: int = 1) -> str:
-    """Return `value` with `digits` decimals times a power of ten; without the power from 0.01 up to 1000."""
+    """Return `value` as a number with `digits` decimals times a power of ten. Values from 0.01 to 1000 are written
+    without the power.
+    """
     if value == 0.0 or not math.isfinite(value):
         return "0" if value == 0.0 else "?"
     if 0.01 <= abs(value) < 1000.0:
@@ -56,7 +61,7 @@ def scientific(value: float, digits: int = 1) -> str:
 def plain(value: float, digits: int = 3) -> str:
     """Return `value` with `digits` significant digits in ordinary notation, such as 1500 or 0.25.
 
-    Absolute values below 1e-4 or from 1e15 on get a power of ten.
+    If the absolute value is below 1e-4, or 1e15 or more, it is written with a power of ten.
     """
     if value and not 1e-4 <= abs(value) < 1e15:
         return scientific(value, digits - 1)
@@ -67,8 +72,8 @@ PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k"}
 
 
 def prefixed(value: float, digits: int = 3) -> str:
-    """Return `value` with `digits` significant digits and a metric prefix: 1.25 M for 1250000. Values from 1e13 on get
-    a power of ten.
+    """Return `value` with `digits` significant digits and a metric prefix. For example, 1250000 becomes 1.25 M. Values
+    of 1e13 and more are written with a power of ten.
     """
     if abs(value) >= LARGEST_PREFIXED:
         return scientific(value, digits - 1)
@@ -77,9 +82,10 @@ def prefixed(value: float, digits: int = 3) -> str:
 
 
 def axis_prefix(largest: float) -> tuple[float, str]:
-    """Return (size, prefix) of the unit of an axis whose values reach `largest`: (1e3, "k") for 253 000.
+    """Return (size, prefix) of the unit of an axis. `largest` is the largest value on the axis. For 253 000, the result
+    is (1e3, "k").
 
-    The prefix is empty below LARGEST_PLAIN, and also if the numbers stay long with every prefix.
+    The prefix is empty if `largest` is below LARGEST_PLAIN. It is also empty if no prefix makes the numbers short.
     """
     if not LARGEST_PLAIN <= largest < LARGEST_PREFIXED:
         return 1.0, ""
@@ -87,15 +93,15 @@ def axis_prefix(largest: float) -> tuple[float, str]:
 
 
 def with_prefix(title: str, prefix: str) -> str:
-    """Return the `title` of an axis with `prefix` before its unit: "contact force (kN)"."""
+    """Return the `title` of an axis with `prefix` in front of its unit, for example "contact force (kN)"."""
     return re.sub(r"\((?=[^()]*\)[^()]*$)", f"({prefix}", title) if prefix else title
 
 
 def beside(value: float, greatest: float) -> str:
-    """Return `value` with as many decimals as `greatest`, the largest value of its kind, needs: 0.24 if `greatest` is
-    1.08, 60 if it is 240.
+    """Return `value` with the number of decimals that suits `greatest`, the largest value of the same kind.
 
-    The number is in the unit of :func:`axis_prefix`. The axis or the sentence must name this unit.
+    For example, 0.24 is written if `greatest` is 1.08, and 60 if `greatest` is 240. The number is in the unit of
+    :func:`axis_prefix`. The axis or the sentence must name this unit.
     """
     size = axis_prefix(greatest)[0]
     decimals = max(0, 2 - math.floor(math.log10(greatest / size)))
@@ -105,7 +111,7 @@ def beside(value: float, greatest: float) -> str:
 
 
 def factor(value: float) -> str:
-    """Return a magnification with a times sign before it, as in "x 0.5", "x 20", "x 5·10⁶"."""
+    """Return a magnification with a times sign in front, for example "x 0.5", "x 20" or "x 5·10⁶"."""
     if 0.01 <= value < 100.0:
         return f"{TIMES}{plain(value)}"
     if 100.0 <= value < 100000.0:
@@ -114,24 +120,26 @@ def factor(value: float) -> str:
 
 
 def round_step(span: float, most: int) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that divides `span` > 0 into at most `most` parts."""
+    """Return a round step that divides `span` > 0 into at most `most` parts. It is the smallest such number of the form
+    1, 2 or 5 times a power of ten.
+    """
     power = 10.0 ** math.floor(math.log10(span / most))
     return next(k * power for k in (1.0, 2.0, 5.0, 10.0, 20.0) if span <= k * power * most * (1.0 + 1e-9))
 
 
 def round_down(value: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is at most `value` > 0."""
+    """Return the largest round number that is not above `value` > 0. Round numbers are 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(k * power for k in (0.5, 1.0, 2.0, 5.0, 10.0) if k * power <= value * (1.0 + 1e-9))
 
 
 def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
-    """Return at most `most` + 1 round values inside [low, high], each with a label that differs from the others.
+    """Return at most `most` + 1 round values from `low` to `high` with their labels. All labels are different.
 
-    Large values have a metric prefix, tiny ones a power of ten.
+    Large values have a metric prefix, and tiny values have a power of ten.
     """
     step, large = round_step(high - low, most), max(abs(low), abs(high)) >= LARGEST_PLAIN
-    place = math.floor(math.log10(step) + 1e-9)  # exponent of the digit in which neighbouring ticks differ
+    place = math.floor(math.log10(step) + 1e-9)  # exponent of the last digit in which neighbouring ticks differ
 
     def text(value: float) -> str:
         digits = math.floor(math.log10(abs(value) or 1.0) + 1e-9) - place
@@ -143,25 +151,25 @@ def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
 
 
 def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:
-    """Return at most `most` + 1 whole exponents inside [low, high], labelled as powers of ten."""
+    """Return at most `most` + 1 whole exponents from `low` to `high`. Their labels are powers of ten."""
     step = max(1, math.ceil((high - low) / most))
     return [(float(k), power_of_ten(k)) for k in range(high, low - 1, -step)]
 
 
 def time_unit(span: float) -> tuple[float, str]:
-    """Return (seconds in the unit, its name) of the unit that suits times up to `span` [s]."""
+    """Return the unit that suits times up to `span` [s]. It is returned as (seconds in the unit, name of the unit)."""
     return next(((size, name) for size, name in ((1.0, "s"), (1e-3, "ms")) if span >= 0.2 * size), (1e-6, "µs"))
 
 
 def force_unit(largest: float) -> tuple[float, str]:
-    """Return (newtons in the unit, its name) of the unit that suits forces up to `largest` [N]."""
+    """Return the unit that suits forces up to `largest` [N]. It is returned as (newtons in the unit, name of the unit)."""
     return next((unit for unit in FORCE_UNITS if largest >= 0.1 * unit[0]), FORCE_UNITS[-1])
 
 
 def number_text(value: float | None) -> str:
     """Return the text of a result in a table.
 
-    It has up to five digits. Rounding errors become 0, and a dash stands for an undefined value. Counts are whole
+    The text has up to five digits. Rounding errors are written as 0, and undefined values as a dash. Counts are whole
     numbers.
     """
     if value is None:
@@ -176,13 +184,15 @@ def number_text(value: float | None) -> str:
 
 
 def spread(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """Return `places` moved apart to at least `gap`, in the same order and inside [low, high].
+    """Return `places` moved apart to distances of at least `gap`. The order is kept, and all places are between `low`
+    and `high`.
 
     The sum of the squared moves is as small as possible (isotonic regression by pooling adjacent violators).
     """
     order = sorted(range(len(places)), key=lambda k: places[k])
     gap = min(gap, (high - low) / max(1, len(places) - 1))
-    # pooled places that are `gap` apart: (mean of place - rank * gap, number of places)
+    # Groups of places that are exactly `gap` apart. Each tuple contains the mean of (place - rank * gap) and the number
+    # of places.
     groups: list[tuple[float, int]] = []
     for rank, k in enumerate(order):
         mean, count = places[k] - rank * gap, 1

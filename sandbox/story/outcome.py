@@ -1,19 +1,21 @@
-"""The outcome of a motion: which beads move together, which nearly stand still, and how fast the others move.
+"""Outcome of a motion. It describes which beads move together, which beads nearly stand still, and the speeds of the
+other beads.
 
 Definitions
 -----------
-The *change* of a bead is the change of its velocity since the start. Neighbouring beads move **together** if their velocities
-differ by at most TOGETHER of the smallest change among them. A cluster that is hit as one rigid body has equal changes, so the
-definition measures how far the cluster is from rigid. It does not depend on the frame of reference and on the direction in
-which beads are counted. Differences below RESOLUTION of the largest change in the row do not count: beads that a blow has
-hardly reached stay together.
+The *change* of a bead is the change of its velocity since the start. Neighbouring beads move **together** if their
+velocities are nearly equal. The difference may be at most TOGETHER times the smallest change among these beads. If a
+cluster is hit as one rigid body, all its beads have equal changes. The definition therefore measures how far the
+cluster is from rigid. It does not depend on the frame of reference or on the direction in which beads are counted.
+Differences below RESOLUTION times the largest change in the chain do not count. Beads that a collision has hardly moved
+therefore stay together.
 
-Groups **nearly stand still** if they are slow, at most SLOW of the largest speed at the start, and if all of them together carry
-at most STILL_MOMENTUM of the momentum and STILL_ENERGY of the kinetic energy. The slowest groups are taken first. A long
-row that a single bead has hit is slow but carries the momentum, so it does not stand still. A wall that does not move is not
-reported.
+Groups **nearly stand still** if they are slow and have little momentum and energy. Slow means at most SLOW times the
+largest speed at the start. All these groups together have at most STILL_MOMENTUM of the momentum and STILL_ENERGY of
+the kinetic energy. The groups with the least momentum are considered first. A long chain that was hit by a single bead
+is slow but carries the momentum, so it does not stand still. A wall that does not move is not reported.
 
-`assets/page/ending.js` has the same rule in JavaScript; tests/sandbox/story/test_same_story.py compares the two.
+`assets/page/ending.js` contains the same rule in JavaScript. tests/sandbox/story/test_same_story.py compares the two.
 
 Tests: tests/sandbox/story/test_outcome.py
 """
@@ -28,21 +30,24 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Largest difference of velocities in a group, as a fraction of the smallest change of velocity of its beads. With a tenth, the
-# slowest bead of a cluster that was hit lags behind the fastest one by at most a tenth of the speed that both got.
+# Largest difference between velocities in a group, as a fraction of the smallest change of velocity of its beads.
+# Consider a cluster that was hit. With a value of 0.1, its slowest bead lags behind the fastest one by at most a tenth
+# of the speed that both received.
 TOGETHER = 0.1
-# Largest difference that does not count, as a fraction of the largest change of velocity in the row. It is the width of a line
-# in a plot of velocities.
+# Largest difference between velocities that is ignored, as a fraction of the largest change of velocity in the chain.
+# The value is the width of a line in a plot of velocities.
 RESOLUTION = 0.01
 # Largest speed of a group that nearly stands still, as a fraction of the largest speed at the start.
 SLOW = 0.1
-# Largest shares of momentum (without sign) and of kinetic energy that the groups at rest carry together. A single bead of the
-# striker's mass at SLOW has these shares of the striker's.
+# Largest shares of momentum (without sign) and of kinetic energy that all groups at rest have together. A bead with the
+# mass of the striking bead and the speed SLOW has these shares of the striking bead's momentum and energy.
 STILL_MOMENTUM = 0.1
 STILL_ENERGY = 0.01
-# Largest speed that is round-off, as a fraction of the largest speed at the start: such a group stands still, not nearly.
+# Largest speed that counts as a rounding error, as a fraction of the largest speed at the start. A group with a smaller
+# speed stands exactly still.
 AT_REST = 1e-6
-# Largest relative difference of two numbers that count as equal, so that a row and its mirror image have the same groups.
+# Largest relative difference between two numbers that count as equal. It ensures that a chain and its mirror image have
+# the same groups.
 EQUAL = 1e-6
 
 MOVES, NEARLY_STILL, STILL = "moves", "nearly still", "still"
@@ -50,13 +55,13 @@ MOVES, NEARLY_STILL, STILL = "moves", "nearly still", "still"
 
 @dataclass(frozen=True)
 class Group:
-    """Neighbouring beads that move together, or a wall that moves.
+    """Neighbouring beads that move together, or a moving wall.
 
     Attributes:
-        first, last: numbers of its outermost beads.
-        velocity: velocity of its centre of mass [m/s].
+        first, last: numbers of the first and the last bead of the group.
+        velocity: velocity of the centre of mass of the group [m/s].
         state: MOVES, NEARLY_STILL or STILL.
-        wall: True if it is a wall.
+        wall: True if the group is a wall.
     """
 
     first: int
@@ -67,21 +72,21 @@ class Group:
 
     @property
     def count(self) -> int:
-        """Number of beads."""
+        """Number of beads in the group."""
         return self.last - self.first + 1
 
     @property
     def moves(self) -> bool:
-        """True if the group does not stand still, exactly or nearly."""
+        """True if the group stands neither exactly nor nearly still."""
         return self.state == MOVES
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of one lane.
+    """Outcome of the motion of one lane.
 
     Attributes:
-        groups: from left to right.
+        groups: the groups of beads from left to right.
         start: (n+1,) velocities at the start [m/s].
     """
 
@@ -89,7 +94,7 @@ class Outcome:
     start: tuple[float, ...]
 
     def group_of(self, bead: int) -> Group | None:
-        """Return the group of a bead, or None for a wall at rest."""
+        """Return the group that contains a bead. Return None if the bead is a wall at rest."""
         return next((group for group in self.groups if group.first <= bead <= group.last), None)
 
 
@@ -106,7 +111,7 @@ def outcome_of(mass: Sequence[float], start: Sequence[float], velocity: Sequence
 
 
 class _Row:
-    """The beads of one lane, with the scales of its motion."""
+    """Beads of one lane, with the typical speeds of their motion."""
 
     def __init__(self, mass: Array, start: Array, velocity: Array) -> None:
         self.wall = np.isinf(mass)
@@ -134,7 +139,7 @@ class _Row:
                 yield Group(first, last, velocity, MOVES, wall=True)
 
     def _spans(self) -> list[tuple[int, int]]:
-        """Return first and last bead of each group and wall."""
+        """Return the numbers of the first and the last bead of each group and of each wall."""
         spans, first = [], 0
         for wall in [*np.flatnonzero(self.wall).tolist(), len(self.wall)]:
             if wall > first:
@@ -145,7 +150,11 @@ class _Row:
         return spans
 
     def _split(self, first: int, last: int) -> list[tuple[int, int]]:
-        """Split a row without walls at its largest difference of neighbours, until the beads of each part move together."""
+        """Return the groups of the beads from `first` to `last`, which are not walls.
+
+        A part whose beads do not move together is split at the largest difference between the velocities of neighbours.
+        This is repeated until the beads of each part move together.
+        """
         found, left = [], [(first, last)]
         while left:
             first, last = left.pop()
@@ -160,24 +169,28 @@ class _Row:
 
     @staticmethod
     def _widest(velocity: Array) -> int:
-        """Return the bead before the largest difference; of equal ones the difference nearest to the middle."""
+        """Return the bead to the left of the largest difference between the velocities of neighbours. If several
+        differences are equally large, use the difference nearest to the middle.
+        """
         jumps = np.abs(np.diff(velocity))
         equal = np.flatnonzero(jumps >= (1.0 - EQUAL) * jumps.max())
         return int(equal[np.abs(equal - 0.5 * (len(jumps) - 1)).argmin()])
 
     def _centre(self, first: int, last: int) -> float:
-        """Return the velocity of the centre of mass of a group, or of a wall."""
+        """Return the velocity of the centre of mass of a group, or the velocity of a wall."""
         if self.wall[first]:
             return float(self.velocity[first])
         part = slice(first, last + 1)
         return float(self.mass[part] @ self.velocity[part] / self.mass[part].sum())
 
     def _rests(self, first: int, last: int) -> bool:
-        """Return True if no bead of a group moves by more than round-off."""
+        """Return True if all beads of a group are at rest, apart from rounding errors."""
         return bool((np.abs(self.velocity[first : last + 1]) <= AT_REST * self.speed).all())
 
     def _still(self, spans: Sequence[tuple[int, int]]) -> list[bool]:
-        """Return whether each group stands still: the groups with the least momentum, as long as their shares are small."""
+        """Return True for each group that stands still. Starting with the least momentum, groups stand still while
+        their total shares of momentum and energy are small.
+        """
         momentum = np.abs([0.0 if self.wall[a] else self.mass[a : b + 1].sum() * self._centre(a, b) for a, b in spans])
         energy = np.array([0.5 * self.mass[a : b + 1] @ self.velocity[a : b + 1] ** 2 for a, b in spans])
         largest = self._most(self.mass * np.abs(self.velocity), self.mass * np.abs(self.start))
@@ -190,7 +203,7 @@ class _Row:
         still = [False] * len(spans)
         carried, held, begun = 0.0, 0.0, 0
         while begun < len(slow):
-            equal = begun + 1  # groups with the same momentum stand still together or not at all
+            equal = begun + 1  # Groups with the same momentum either all stand still or all move.
             while equal < len(slow) and momentum[slow[equal]] <= (1.0 + EQUAL) * momentum[slow[begun]]:
                 equal += 1
             carried += float(momentum[slow[begun:equal]].sum())
@@ -204,5 +217,5 @@ class _Row:
 
     @staticmethod
     def _most(now: Array, before: Array) -> float:
-        """Return the larger of two sums over the beads."""
+        """Return the larger of two sums over all beads."""
         return max(float(now.sum()), float(before.sum()))

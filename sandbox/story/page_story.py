@@ -1,6 +1,7 @@
-"""The story for pages: its bounds and words as constants of their scripts.
+"""Limits and words of the description of a motion, written as constants for the scripts of pages.
 
-The document of a page contains this script, so that a page always has the bounds and the words of its version.
+The document of a page contains the script with these constants. A page therefore always has the limits and words of the
+version that wrote it.
 """
 
 from __future__ import annotations
@@ -59,5 +60,5 @@ def page_words() -> dict[str, str]:
 
 
 def _script(value: Any) -> str:
-    """Return a constant as JSON in which no text can end a script element."""
+    """Return a constant as JSON. Characters that could end a script element are escaped."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")

@@ -1,13 +1,15 @@
-"""The words of pages by the key that scripts use, `say(key)`, and by the `data-say` attributes of the document.
+"""Words of pages. Scripts read a word by its key with `say(key)`, and the document reads it with a `data-say`
+attribute.
 
-Translations are in the catalogues, as for the window. {one}, {many}, {the}, {those} and {a} are replaced by words for the
-bodies of the page, with a capital if the name has one. `sandbox/story/page_story.py` puts the words into the page.
+Translations are in the same catalogues as the translations of the window. {one}, {many}, {the}, {those} and {a} are
+replaced by words for the bodies of the page. If the name in braces has a capital, the word has one as well.
+`sandbox/story/page_story.py` writes the words into the page.
 """
 
 from softcradle.sandbox.languages import N_, NP_
 
 WORDS: dict[str, str] = {
-    # Buttons and the clock.
+    # Words of the buttons and the clock.
     "play": N_("Play"),
     "pause": N_("Pause"),
     "again": N_("Restart"),
@@ -21,7 +23,7 @@ WORDS: dict[str, str] = {
     "copied": N_("Copied"),
     "language": N_("Language"),
     "wait": N_("Computing …"),
-    # Settings.
+    # Words of the settings.
     "beside": N_("Compare with"),
     "compare steel": N_("Compare with steel balls"),
     "compare soft": N_("Compare with soft beads"),
@@ -43,13 +45,13 @@ WORDS: dict[str, str] = {
     "loupes": N_("magnifiers"),
     "balance": N_("energy and momentum bars"),
     "charts": N_("graphs"),
-    # Names of the laws of a row.
+    # Names of the contact laws of a chain.
     "law soft": N_("soft {many}, alpha = {alpha}"),
     "law one": N_("springs, alpha = 1"),
     "law gear": N_("draft gears"),
     "law steel": N_("steel balls"),
     "law mixed": N_("mixed contacts"),
-    # Stage, magnifiers and graphs.
+    # Words of the stage with the beads, the magnified insets and the graphs.
     "force": N_("contact force ({unit})"),
     "hollow": N_("hollow: pulls"),
     "dark": N_("dark: solid"),
@@ -68,18 +70,18 @@ WORDS: dict[str, str] = {
     "velocities": N_("Velocities (m/s)"),
     "forces chart": N_("Forces ({unit})"),
     "chart values": N_("The values are under “In numbers” below."),
-    # States of a contact; apart is in WORDS_IN_CONTEXT.
+    # States of a contact. The word for an open contact is in WORDS_IN_CONTEXT.
     "touching": N_("touching"),
     "pulled": N_("pulled"),
     "loaded": N_("pressed"),
-    # Energy balance below the stage.
+    # Words of the energy balance below the stage.
     "energy": N_("Total energy {value}"),
     "absorbed": N_("{value} of it absorbed"),
     "right": N_("conserved to {digits} digits"),
     "right lossy": N_("the sum is kept to {digits} digits"),
     "given": N_("you added {value}"),
     "units": N_("the units are made up"),
-    # Sentences around the stage. The outcome is in sentences.py.
+    # Sentences around the stage with the beads. The sentences about the outcome are in sentences.py.
     "hint": N_("Try it: drag {a} and let go."),
     "if rigid": N_("Two solid blocks would move at {left} and {right}."),
     "followed": N_("The motion is shown up to {time}."),
@@ -104,7 +106,7 @@ WORDS: dict[str, str] = {
         "This page is a file on your device. Send the file, and tell others to add this after its name: {text}"
     ),
     "send alone": N_("This page is a file on your device. Send the file itself: nothing in it has been changed."),
-    # Question, verdict and explanation above the beads.
+    # Words of the question, the answer and the explanation above the beads.
     "guess last": N_("Only the last one flies off"),
     "guess last many": N_("As many fly off as came"),
     "guess together": N_("All move off together"),
@@ -127,7 +129,7 @@ WORDS: dict[str, str] = {
     "so solid": N_("So the push reaches the end of the row at once, as in a solid block."),
     "so wave": N_("So the push runs along the row as a wave."),
     "ghost": N_("grey: before"),
-    # Sharing and handing in.
+    # Words for sharing a page and for handing in answers.
     "share": N_("Share"),
     "share link": N_("Link with your settings"),
     "share code": N_("Code for a web page"),
@@ -139,7 +141,7 @@ WORDS: dict[str, str] = {
     "copy": N_("Copy"),
     "close": N_("Close"),
     "full": N_("Open the full page"),
-    # Tables of numbers.
+    # Words of the tables of numbers.
     "in numbers": N_("In numbers"),
     "contact": N_("contact"),
     "mass": N_("mass (kg)"),
@@ -149,7 +151,7 @@ WORDS: dict[str, str] = {
     "overlap now": N_("overlap (m)"),
     "state": N_("state"),
     "wall": N_("wall"),
-    # Keyboard, touch and the footer.
+    # Words for keyboard and touch control, and for the footer.
     "beads": N_("The {many} of {name}."),
     "bead keys": N_(
         "Arrow keys choose one, Enter grabs or releases it; while held, arrows pull it; Shift with an arrow throws it."
@@ -166,7 +168,8 @@ WORDS: dict[str, str] = {
     "made": N_("made with"),
 }
 
-# Words whose translation depends on the context: objects of "Compare with", a contact that is open.
+# Words whose translation depends on the context. They are the objects of "Compare with" and the word for an open
+# contact.
 WORDS_IN_CONTEXT: dict[str, dict[str, str]] = {
     "compare with": {
         "none": NP_("compare with", "nothing"),

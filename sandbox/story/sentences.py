@@ -1,4 +1,4 @@
-"""The sentences of a story, in the language in use."""
+"""Sentences that describe a motion, in the current language."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from softcradle.sandbox.story.outcome import NEARLY_STILL, STILL, Group, Outcome
 if TYPE_CHECKING:
     from softcradle.physics import Trajectory
 
-# Groups that are described one by one. The others are counted.
+# Largest number of groups that are described individually. Of further groups, only the number is written.
 MOST_GROUPS = 6
-# Significant digits of a speed.
+# Number of significant digits of a speed.
 SPEED_DIGITS = 2
 
-# Sentences of groups by their key: kind of body and what it does. {The} and {Those} are words for the bodies (`bodies.py`).
+# Sentences about groups. The key contains the kind of body and the state of the group. {The} and {Those} are words for
+# the bodies (`bodies.py`).
 SENTENCES = {
     "bead right": N_("{The} {beads} moves right at {speed}."),
     "beads right": N_("{Those} {beads} move right together at {speed}."),
@@ -39,12 +40,12 @@ SENTENCES = {
 
 
 def more_groups(count: int, **values: object) -> str:
-    """Return the sentence for `count` groups that are not described one by one."""
+    """Return a sentence with the number of groups that are not described individually."""
     return ngettext("And {n} more group.", "And {n} more groups.", count, **values)
 
 
 def outcome_words(outcome: Outcome, body: str = "bead") -> str:
-    """Return a sentence for each group. `body` is the word for the bodies, a key of BODIES."""
+    """Return one sentence for each group of the outcome. `body` is the word for the bodies, a key of BODIES."""
     said = [_group_words(group, body) for group in outcome.groups[:MOST_GROUPS]]
     rest = len(outcome.groups) - MOST_GROUPS
     if rest > 0:
@@ -53,7 +54,7 @@ def outcome_words(outcome: Outcome, body: str = "bead") -> str:
 
 
 def _group_words(group: Group, body: str) -> str:
-    """Return the sentence for a group."""
+    """Return the sentence that describes a group."""
     kind = "wall" if group.wall else "bead" if group.count == 1 else "beads"
     way = group.state if group.state in (STILL, NEARLY_STILL) else "right" if group.velocity > 0.0 else "left"
     between = "two of" if group.count == 2 else "row of"
@@ -63,13 +64,13 @@ def _group_words(group: Group, body: str) -> str:
 
 
 def _named(body: str) -> dict[str, str]:
-    """Return the words for a kind of body that sentences contain."""
+    """Return the words for a kind of body that are inserted into sentences."""
     words = BODIES[body].words()
     return {"the": words["the"], "The": capital(words["the"]), "Those": capital(words["those"])}
 
 
 def ending_words(story: LaneStory) -> str:
-    """Return a sentence for each group, and one if friction has stopped groups that moved."""
+    """Return one sentence for each group of beads. Add a sentence if friction has stopped groups that moved."""
     said = [outcome_words(story.outcome, story.body)]
     if story.stopped and any(group.moves for group in story.outcome.groups):
         said.append(_(SENTENCES["stopped"]))
@@ -77,13 +78,13 @@ def ending_words(story: LaneStory) -> str:
 
 
 def story_words(story: LaneStory) -> str:
-    """Return the first hit, the contacts and the outcome, a sentence each."""
+    """Return the sentences about the first hit, about the contacts and about the outcome."""
     found = (_hit_words(story.hit, story.body), _contact_words(story), ending_words(story))
     return " ".join(sentence for sentence in found if sentence)
 
 
 def _hit_words(hit: Hit | None, body: str) -> str:
-    """Return the sentence for the first hit, or an empty text."""
+    """Return the sentence about the first hit. Return an empty text if there was no hit."""
     if hit is None:
         return ""
     when, how_fast, pair = time_text(hit.time), speed_text(hit.speed), (hit.contact, hit.contact + 1)
@@ -108,7 +109,7 @@ def _hit_words(hit: Hit | None, body: str) -> str:
 
 
 def _contact_words(story: LaneStory) -> str:
-    """Return the sentence on the contacts at the end of the story."""
+    """Return the sentence about the contacts at the end of the description."""
     if story.closed:
         return ngettext(
             "At {time} {n} of {all} contacts is closed.",
@@ -123,7 +124,9 @@ def _contact_words(story: LaneStory) -> str:
 
 
 def describe(label: str, trajectory: Trajectory) -> str:
-    """Return some sentences about a whole motion. A motion that did not stay finite has only one."""
+    """Return a few sentences about a complete motion. If the numbers of the motion became infinite or NaN, return a
+    single sentence.
+    """
     motion = trajectory.velocity, trajectory.final_velocity, trajectory.overlap, trajectory.force
     if all((np.abs(numbers) <= LARGEST).all() for numbers in motion):
         said = story_words(story_of(trajectory))

@@ -1,14 +1,16 @@
-"""The explanation of a collision: how far each contact is squeezed at the largest push, and how hard it still pushes.
+"""Explanation of a collision at the moment of the largest push. It contains the overlap of each contact and its share
+of the largest force.
 
-Pages write the same sentence by the same rule. It has three steps:
+Pages write the same sentence by the same rule. The rule has three steps:
 
-1. :func:`push_of` chooses the contacts. If the strongest contact is in the right half of the row, the row is read from
-   right to left. A row of up to MOST contacts is listed completely. A longer row is listed from its strongest contact on:
-   the next MOST - 1 contacts and the last one.
-2. :func:`push_of` compares each share of the largest force with the share in a solid block, which is the mass beyond the
-   contact divided by the mass beyond the strongest contact. It returns AT_ONCE if no share differs by more than the factor
-   SOLID, WAVE if the contact at the end carries less than NOTHING of its share, and PARTLY otherwise.
-3. :func:`why_words` writes lengths by :func:`length_text`, shares by :func:`share_texts`, and the conclusion.
+1. :func:`push_of` chooses the contacts. If the strongest contact is in the right half of the chain, the contacts are
+   listed from right to left. A chain with up to MOST contacts is listed completely. A longer chain is listed from its
+   strongest contact on: the strongest contact, the contacts that follow it, and the last contact, MOST in total.
+2. :func:`push_of` compares the share of each contact in the largest force with its share in a solid block. In a solid
+   block, the share is the mass beyond the contact divided by the mass beyond the strongest contact. The result is
+   AT_ONCE if no share differs by more than the factor SOLID. It is WAVE if the contact at the end carries less than the
+   fraction NOTHING of its share. Otherwise it is PARTLY.
+3. :func:`why_words` writes the lengths with :func:`length_text`, the shares with :func:`share_texts`, and a conclusion.
 
 Tests: tests/sandbox/story/test_why.py
 """
@@ -22,21 +24,25 @@ from dataclasses import dataclass
 from softcradle.sandbox.languages import N_, NP_, _, pgettext
 from softcradle.sandbox.story.numbers import plain, scientific
 
-# Largest number of contacts in the sentence.
+# Largest number of contacts that the sentence lists.
 MOST = 5
-# Largest factor between the force of a contact and its force in a solid block, if the row moves like one.
+# Largest factor between the force of a contact and its force in a solid block at which the chain still moves like a
+# solid block.
 SOLID = 1.5
-# Share of the force in a solid block below which a contact counts as not reached. Its bar cannot be seen either.
+# Smallest force of a contact that the push has reached, as a fraction of its force in a solid block. The force bar of a
+# smaller force is invisible.
 NOTHING = 0.02
-# Largest overlap at the end of an evanescent mode, relative to the overlap of the strongest contact.
+# Largest overlap at the end of the chain in an evanescent mode, relative to the overlap of the strongest contact.
 DECAYED = 0.01
-# Largest denominator of a fraction with any numerator, and of a fraction with the numerator 1.
+# Largest denominator of a fraction with an arbitrary numerator, and largest denominator of a fraction with the
+# numerator 1.
 DENOMINATOR, UNIT_DENOMINATOR = 5, 12
-# Largest relative difference between a share and the fraction that is written for it.
+# Largest relative difference between a share and the fraction that represents it.
 ROUNDED = 0.05
-# Share of the force below which 0 is written.
+# Smallest share of a force that is not written as 0.
 LEAST_SHARE = 0.005
-# Units of a length [m] by the smallest length for which each is used, from the largest.
+# Units of lengths, from the largest to the smallest. The first number is the smallest length [m] for which a unit is
+# used.
 LENGTHS = ((1.0, 1.0, "m"), (1e-2, 1e-2, "cm"), (1e-4, 1e-3, "mm"), (1e-7, 1e-6, "µm"), (1e-10, 1e-9, "nm"))
 
 ALONE, AT_ONCE, PARTLY, WAVE, UNKNOWN = "alone", "at once", "partly", "wave", "unknown"
@@ -64,15 +70,15 @@ LAST = {
 
 @dataclass(frozen=True)
 class Push:
-    """A row at its largest push.
+    """State of a chain at the moment of its largest push.
 
     Attributes:
         contacts: the listed contacts, in the order of the sentence.
-        overlaps: their overlaps [m]; 0 for an open contact.
-        shares: their forces, relative to the largest force.
+        overlaps: overlaps of the listed contacts [m]; 0 for an open contact.
+        shares: forces of the listed contacts, relative to the largest force.
         way: AT_ONCE, PARTLY or WAVE; ALONE for a single contact, UNKNOWN if other forces act as well.
-        evanescent: True if the push is there at once although the overlaps decay steeply.
-        gap: True if contacts between the last two listed ones are left out.
+        evanescent: True if the push reaches the end at once although the overlaps decay steeply along the chain.
+        gap: True if contacts between the last two listed contacts are omitted.
     """
 
     contacts: tuple[int, ...]
@@ -84,14 +90,14 @@ class Push:
 
 
 def push_of(mass: Sequence[float], overlap: Sequence[float], force: Sequence[float], alone: bool = True) -> Push | None:
-    """Return the push of a row at the moment of its largest force, or None if its strongest contact pulls or no contact
-    carries a force.
+    """Return the state of a chain at the moment of its largest force. Return None if the strongest contact pulls or no
+    contact carries a force.
 
     Arguments:
         mass: (n+1,) masses [kg]; infinite for walls.
         overlap: (n,) overlaps [m]; negative for open contacts.
         force: (n,) contact forces [N].
-        alone: True if no other forces act, neither drives nor brakes, and no contact pushed before the collision.
+        alone: True if no drive and no brakes act, and no contact pushed before the collision.
     """
     count = len(force)
     strongest = max(range(count), key=lambda i: abs(force[i]))
@@ -117,7 +123,9 @@ def push_of(mass: Sequence[float], overlap: Sequence[float], force: Sequence[flo
 
 
 def _way(mass: Sequence[float], shares: Sequence[float], strongest: int, end: int) -> str:
-    """Return AT_ONCE, PARTLY or WAVE for the `shares` of all contacts. `end` is the contact at the far end."""
+    """Return AT_ONCE, PARTLY or WAVE. `shares` contains the shares of all contacts. `end` is the last contact in the
+    direction of the push.
+    """
     if not all(map(math.isfinite, mass)):
         return UNKNOWN
     solid = [_solid_share(mass, i, strongest) for i in range(len(shares))]
@@ -127,14 +135,14 @@ def _way(mass: Sequence[float], shares: Sequence[float], strongest: int, end: in
 
 
 def _solid_share(mass: Sequence[float], contact: int, strongest: int) -> float:
-    """Return the force of a contact in a solid block, relative to the force at the strongest contact."""
+    """Return the force of a contact relative to the strongest contact, if all beads moved as one solid block."""
     if contact >= strongest:
         return sum(mass[contact + 1 :]) / sum(mass[strongest + 1 :])
     return sum(mass[: contact + 1]) / sum(mass[: strongest + 1])
 
 
 def why_words(push: Push, body: str) -> str:
-    """Return the explanation of a push in one or two sentences. `body` is a key of LAST."""
+    """Return one or two sentences that explain a collision. `body` is the word for the bodies, a key of LAST."""
     said = [
         _(SQUEEZED[push.way], lengths=_listed(list(map(length_text, push.overlaps)), push.gap), shares=_shares(push))
     ]
@@ -149,16 +157,16 @@ def _shares(push: Push) -> str:
 
 
 def _listed(texts: list[str], gap: bool) -> str:
-    """Return texts as a list: "1, 3/4 and 1/2". A `gap` before the last one is marked by an ellipsis."""
+    """Return texts as a list such as "1, 3/4 and 1/2". If `gap` is True, write an ellipsis before the last text."""
     *some, last = [*texts[:-1], "…", texts[-1]] if gap else texts
     return _(LISTED, some=", ".join(some), one=last) if some else last
 
 
 def length_text(length: float) -> str:
-    """Return a length [m] in the unit of everyday use: 45 cm, 3 cm, 0.6 mm, 0.6 µm.
+    """Return a length [m] in an everyday unit, such as 45 cm, 3 cm, 0.6 mm or 0.6 µm.
 
-    Numbers have two significant digits from 10 on and if they begin with 1, and one digit otherwise. Lengths below 0.1 nm
-    get a power of ten.
+    Numbers of 10 and more, and numbers that begin with 1, have two significant digits. Other numbers have one digit.
+    Lengths below 0.1 nm are written with a power of ten.
     """
     if length <= 0.0:
         return "0"
@@ -171,7 +179,9 @@ def length_text(length: float) -> str:
 
 
 def share_texts(shares: Sequence[float]) -> list[str]:
-    """Return shares of a force as fractions such as 3/4, or all of them in percent if one is not near a fraction."""
+    """Return shares of a force as fractions such as 3/4. If one share is not near a simple fraction, return all shares
+    in percent.
+    """
     fractions = [_fraction(share) for share in shares]
     if all(fractions):
         return fractions
@@ -179,7 +189,7 @@ def share_texts(shares: Sequence[float]) -> list[str]:
 
 
 def _fraction(share: float) -> str:
-    """Return the fraction with the smallest denominator that is near `share`, or an empty text."""
+    """Return the fraction with the smallest denominator that is near `share`. Return an empty text if there is none."""
     if abs(share) < LEAST_SHARE:
         return "0"
     for denominator in range(1, UNIT_DENOMINATOR + 1):
