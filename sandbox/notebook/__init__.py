@@ -1,1 +1,1 @@
-"""Notebook views of trajectories, scenes and chains: figures, films, tables in HTML, and the window."""
+"""Views of trajectories, scenes and chains in a notebook: figures, films, HTML tables, and the window."""

@@ -1,4 +1,4 @@
-"""Figures of a notebook: velocities and forces over time, in the style of the paper's figures."""
+"""Figures in a notebook. They show velocities and forces over time in the style of the figures of the paper."""
 
 from io import BytesIO
 
@@ -14,11 +14,12 @@ from softcradle.scenes import Scene
 
 DOTS_AN_INCH = 110
 SCENE_SAMPLES = 601
-MOST_LABELS = 8  # most curves with labels; with more curves, only the first and the last have one
+# Largest number of curves that all have labels. If there are more curves, only the first and the last have one.
+MOST_LABELS = 8
 
 
 class ShownFigure(Figure):
-    """Figure that a notebook displays without any setting of matplotlib."""
+    """Figure that a notebook displays without any configuration of matplotlib."""
 
     def _repr_png_(self) -> bytes:
         encoded = BytesIO()
@@ -28,7 +29,9 @@ class ShownFigure(Figure):
 
 
 def figure_of(shown: Trajectory | Scene) -> ShownFigure:
-    """Draw velocities above and forces below, with a column for each lane of a scene."""
+    """Draw the velocities in the upper panels and the forces in the lower panels. A scene has one column of panels for
+    each lane.
+    """
     if isinstance(shown, Trajectory):
         columns = [("", shown)]
     else:
@@ -44,12 +47,13 @@ def figure_of(shown: Trajectory | Scene) -> ShownFigure:
         grid[0, 0].set_ylabel(VELOCITY.label)
         grid[1, 0].set_ylabel(FORCE.label)
         if not any((trajectory.force < 0.0).any() for _, trajectory in columns):
-            grid[1, 0].set_ylim(bottom=0.0)  # the lanes share this axis, so set it after all of them are drawn
+            # All lanes share this axis. Its limit is therefore set after all lanes have been drawn.
+            grid[1, 0].set_ylim(bottom=0.0)
     return figure
 
 
 def new_shown_figure(height: float = 2.6) -> tuple[ShownFigure, Axes]:
-    """Return a figure in the same style for user plots, and its axes."""
+    """Return an empty figure for plots of the user, and its axes. Its style is the style of the other figures."""
     with styled():
         figure = ShownFigure(figsize=(1.4 * COLUMN_WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)
@@ -77,7 +81,9 @@ def _draw(velocities: Axes, forces: Axes, trajectory: Trajectory) -> None:
 
 
 def _colour(bead: int, beads: int) -> str:
-    """Return the figures' colours of striker and struck bead, and dark to light grey for the others."""
+    """Return the colour of a bead. The first two beads have the colours of the striking and the struck bead in the
+    paper. The other beads are dark to light grey.
+    """
     if bead < 2:
         return bead_colour(bead)
     return str(float(np.interp(bead, (2, max(beads - 1, 3)), (0.0, 0.65))))

@@ -1,4 +1,6 @@
-"""Page in a cell of a notebook that reports its state to Python, by anywidget and the messages of docs/sharing.md."""
+"""Live page of a scene in a cell of a notebook. The page reports its state to Python through anywidget, with the
+messages that docs/sharing.md describes.
+"""
 
 from os import PathLike
 from pathlib import Path
@@ -10,13 +12,12 @@ from softcradle.sandbox.files import resource
 
 
 class LiveWidget(anywidget.AnyWidget):
-    """Live page of a scene whose state Python can read and change.
+    """Live page of a scene. Python can read and change the state of the page.
 
     Attributes
     ----------
     state : dict
-        The state of the page, which follows it: settings, time, guess, outcome, and the rows. It is empty until the
-        page is shown.
+        Current state of the page: settings, time, guess, outcome and chains. It is empty until the page is shown.
     text : str
         The complete HTML of the page.
     height : int
@@ -29,7 +30,9 @@ class LiveWidget(anywidget.AnyWidget):
     state = traitlets.Dict().tag(sync=True)
 
     def set(self, play: bool | None = None, **settings: Any) -> None:
-        """Change settings of the page, named as in its address, for example ``set(n=9, a="1/20", play=True)``."""
+        """Change settings of the page. Their names are the names in the address of the page, for example ``set(n=9,
+        a="1/20", play=True)``.
+        """
         self.send({"settings": settings, "play": play})
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -1,6 +1,7 @@
-"""Notebook views without matplotlib: tables in HTML, films, web pages, and `play`, which opens the window.
+"""Views in a notebook that do not need matplotlib: HTML tables, films, web pages, and the function `play`, which opens
+the window.
 
-Modules that draw are imported in the functions, because a table needs neither pygame nor an encoder.
+The functions themselves import the modules that draw. A table therefore needs neither pygame nor an encoder.
 """
 
 import base64
@@ -18,14 +19,16 @@ from softcradle.physics.notebook_views import InlineFilm
 from softcradle.scenes import Lane, Scene, View, load
 from softcradle.scenes.contact_text import contact_text
 
-MOST_ROWS = 12  # most beads or contacts in a table; with more, only the first and the last are listed
-UNDRAWN = hooke(1.0)  # placeholder for a user-defined law, which a scene cannot contain and a picture does not show
+# Largest number of beads or contacts in a table. If there are more, the table omits rows before the last one.
+MOST_ROWS = 12
+# Placeholder for a user-defined contact law. A scene cannot contain such a law, and a picture does not show it.
+UNDRAWN = hooke(1.0)
 LENGTH = 6.0  # default duration of a film or page [s]
-FILM_RATE = 30.0  # frames per second
+FILM_RATE = 30.0  # number of frames per second of a film
 
 
 def html_of(shown: Trajectory | Scene | Chain) -> str:
-    """Return the table, below a picture if matplotlib is installed and something moves."""
+    """Return an HTML table. If matplotlib is installed and the object has a motion, a picture is above the table."""
     if isinstance(shown, Chain):
         return f"<p>{escape(repr(shown))}</p>{_chain_table(shown)}"
     if isinstance(shown, Scene):
@@ -36,7 +39,7 @@ def html_of(shown: Trajectory | Scene | Chain) -> str:
 
 
 def _picture(trajectory: Trajectory) -> str:
-    """Return the trajectory's figure, or an empty text without matplotlib."""
+    """Return the figure of the trajectory as HTML. Return an empty text if matplotlib is not installed."""
     try:
         from softcradle.sandbox.notebook.figure_view import figure_of
     except ModuleNotFoundError:
@@ -85,7 +88,7 @@ def _row(kind: str, cells: Iterable[object]) -> str:
 
 
 def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]) -> InlineFilm:
-    """Return the film as bytes; `slow` is seconds of film for each second of motion."""
+    """Return the film as bytes. `slow` is the number of seconds of film for each second of motion."""
     from softcradle.sandbox.film.scene_film import render_scene
 
     with tempfile.TemporaryDirectory(prefix="softcradle-") as folder:
@@ -98,7 +101,7 @@ def film_of(shown: Trajectory | Scene, slow: float | None, size: tuple[int, int]
 
 
 def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tuple[int, int]) -> None:
-    """Write the samples of the trajectory, each for as long as it is the nearest one."""
+    """Write a film of the samples of a trajectory. Each frame shows the sample that is nearest in time."""
     from softcradle.sandbox.draw.scene_picture import Picture
     from softcradle.sandbox.draw.shared_scales import motion_of
     from softcradle.sandbox.film.encoder import open_film
@@ -119,7 +122,9 @@ def _write_film(trajectory: Trajectory, path: Path, slow: float | None, size: tu
 
 
 def write_page_of(shown: Trajectory | Scene, path: str | PathLike[str], slow: float | None) -> None:
-    """Write the page; `slow` is seconds for each second of motion, None for the scene's or the default slow motion."""
+    """Write the web page. `slow` is the number of seconds for each second of motion. If it is None, the value of the
+    scene or the default is used.
+    """
     from softcradle.sandbox.page import render_page, write_page
 
     if isinstance(shown, Scene):
@@ -129,9 +134,10 @@ def write_page_of(shown: Trajectory | Scene, path: str | PathLike[str], slow: fl
 
 
 def scene_of(trajectory: Trajectory, slow: float | None) -> Scene:
-    """Return the scene of the trajectory's chain; pictures take title and view from it.
+    """Return a scene with the chain of the trajectory. Pictures use the title and the view of this scene.
 
-    It plays `slow` seconds for each second of motion, or LENGTH seconds in total if `slow` is None.
+    The scene is played with `slow` seconds for each second of motion. If `slow` is None, it is played in LENGTH seconds
+    in total.
     """
     from softcradle.sandbox.film.scene_motion import checked_slow
 
@@ -149,26 +155,26 @@ def scene_of(trajectory: Trajectory, slow: float | None) -> Scene:
 
 
 def play(scene: Scene | str, size: tuple[int, int] = (1280, 720)) -> list[Trajectory]:
-    """Open the window on `scene` and wait until it is closed.
+    """Open the window with `scene` and wait until the user closes it.
 
     Parameters
     ----------
     scene : Scene or str
-        A Scene, the name of one, or the path of a scene file.
+        A Scene, the name of a scene, or the path of a scene file.
     size : (int, int), optional
         Width and height of the window [pixels].
 
     Returns
     -------
     list of Trajectory
-        The history of each lane, as it was when the window closed.
+        The recorded motion of each lane at the time the window was closed.
 
     Raises
     ------
     SceneError
-        There is no such scene.
+        The scene does not exist.
     UserError
-        There is no display.
+        No display is available.
     ImportError
         The extra [window] is not installed.
     """

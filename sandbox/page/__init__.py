@@ -1,4 +1,5 @@
-"""Pages to share: the recorded motion of a scene, its plots and numbers in one HTML file that loads nothing.
+"""Web pages for sharing. One HTML file contains the recorded motion of a scene, its plots and its numbers. The file
+loads nothing else.
 
 write_page(trajectories, scene, "page.html")  # one Trajectory for each lane of the scene
 """

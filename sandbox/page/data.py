@@ -1,4 +1,6 @@
-"""The data of a page as JSON: initial state and appearance of its lanes, and their recorded motion in packed form."""
+"""Data of a page as JSON. They contain the initial state of the lanes, their appearance, and their recorded motion in
+packed form.
+"""
 
 import base64
 import math
@@ -24,13 +26,16 @@ from softcradle.sandbox.story.bodies import HEAVY, is_gear
 from softcradle.sandbox.user_error import UserError
 from softcradle.scenes import Lane, Scene
 
-MOST_COMPUTED = 200  # Largest number of beads in a row that a page computes.
-STEEL = 1.5  # Exponent of a law that counts as steel: its softness cannot be chosen.
-SHOWN = ["forces", "balance", "charts"]  # Parts that a page shows at first.
+MOST_COMPUTED = 200  # Largest number of beads in a chain that a page can compute.
+# Exponent of the contact law of steel balls. The softness of contacts with this exponent cannot be changed.
+STEEL = 1.5
+SHOWN = ["forces", "balance", "charts"]  # Parts that are visible when the page is opened.
 
 
 def can_be_computed(scene: Scene) -> bool:
-    """Return True if a page can compute the scene itself: preloaded power laws, loss, friction, strings, constant drive."""
+    """Return True if a page can compute the scene itself. It can compute preloaded power laws, loss, friction, strings
+    and a constant drive.
+    """
     chains = [lane.chain() for lane in scene.lanes]
     return len(chains) <= 2 and all(
         not (chain.piecewise or chain.own_laws or chain.timed or chain.brakes) and chain.contacts < MOST_COMPUTED
@@ -39,12 +44,12 @@ def can_be_computed(scene: Scene) -> bool:
 
 
 def is_train(mass: Sequence[float]) -> bool:
-    """Return True if every body that can move weighs at least as much as a wagon."""
+    """Return True if all bodies are at least as heavy as wagons. Walls count as heavy."""
     return min(mass) >= HEAVY
 
 
 def page_data(played: PlayedMotion, computed: bool) -> dict[str, Any]:
-    """Return all data that the script of a page needs."""
+    """Return all data that the script of a page uses."""
     scene, scales = played.scene, played.scales
     size, name = played.time_unit
     newtons, force_name = played.force_unit
@@ -82,26 +87,27 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
         "solid": [[finite_or_none(solid_force(joint, sign)) for sign in (1.0, -1.0)] for joint in chain.contact],
         "ends": ends,
         "dissipative": chain.dissipative,
-        "late": bool(trajectory.time[0] > 0.0),  # The record begins later than the motion, so the start is unknown.
-        "driven": chain.driven or bool(trajectory.given.any()),  # True also if the user has pulled a bead.
+        # True if the recording begins after the start of the motion. The state at the start is then unknown.
+        "late": bool(trajectory.time[0] > 0.0),
+        "driven": chain.driven or bool(trajectory.given.any()),  # This is also True if the user has pulled a bead.
     }
 
 
 def _closed(played: PlayedMotion, number: int) -> list[list[list[float | None]]]:
-    """Return the intervals [s] in which each contact of a lane is closed, as (begin, end). An end that was not reached
-    is None.
+    """Return the time intervals [s] in which each contact of a lane is closed, as (begin, end). If a contact is closed
+    until the motion stops, the end is None.
     """
     intervals = played.trajectories[number].contact_intervals
     return [[[_short(begin), finite_or_none(_short(end))] for begin, end in spans] for spans in intervals]
 
 
 def _short(time: float) -> float:
-    """Return a time to nine digits, which is finer than the samples of a page."""
+    """Return a time rounded to nine digits. The rounding is finer than the distance between the samples of a page."""
     return float(f"{time:.9g}")
 
 
 def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[str, Any]:
-    """Return the state and the laws that a row starts with."""
+    """Return the initial state and the contact laws of a chain."""
     return {
         "mass": [finite_or_none(mass) for mass in chain.mass],
         "gap": list(chain.gap),
@@ -117,7 +123,7 @@ def _spec(chain: Chain, velocity: list[float], duration: float | None) -> dict[s
 
 
 def _experiment(scene: Scene) -> dict[str, Any]:
-    """Return the settings that a reader can change, and their units."""
+    """Return the settings that a reader of the page can change, and their units."""
     lane = scene.lanes[0]
     chain, speeds = lane.chain(), [greatest_speed(item.chain(), item.velocity, scene.duration) for item in scene.lanes]
     speed, row = speeds[0] or 1.0, chain.law_rows[0].tolist()
@@ -128,7 +134,7 @@ def _experiment(scene: Scene) -> dict[str, Any]:
     starts = [float(np.abs(item.velocity).max()) for item in scene.lanes]
     approach = chain.gap[strikers - 1] if strikers else 0.0
     return {
-        "speed": max(speeds) or 1.0,  # A lane at rest has no speed.
+        "speed": max(speeds) or 1.0,  # If all beads are at rest, there is no speed scale, so 1 m/s is used.
         "kernel": {"beadRows": BEAD_ROWS, "workRows": WORK_ROWS, "counters": COUNTERS},
         "soft": bool(soft),
         "uniform": {"mass": mass, "law": row, "approach": approach} if strikers else None,
@@ -142,15 +148,15 @@ def _experiment(scene: Scene) -> dict[str, Any]:
 
 
 def _strength(law: list[float]) -> float | None:
-    """Return a force [N] that characterises the strength of the law: its preload, or the force of soft beads at an
-    overlap of 1 m.
+    """Return a force [N] that characterises the strength of a contact law. It is the preload, or for soft beads the
+    force at an overlap of 1 m.
     """
     preload, stiffness, exponent = law
     return preload or (stiffness if exponent < 1.0 else None)
 
 
 def _strikers(chain: Chain, lane: Lane) -> int:
-    """Return the number of beads that strike a row at rest, if all beads and all contacts are equal; otherwise 0."""
+    """Return the number of beads that strike a chain at rest. Return 0 if the beads or the contacts are not all equal."""
     speeds, finite = lane.velocity, all(map(math.isfinite, chain.mass))
     strikers = next((k for k, speed in enumerate(speeds) if speed != speeds[0]), 0)
     laws = np.column_stack((chain.law_rows, chain.loss))
@@ -162,7 +168,7 @@ def _strikers(chain: Chain, lane: Lane) -> int:
 
 
 def _texts(played: PlayedMotion) -> dict[str, dict[str, Any]]:
-    """Return title, source, text, question and labels in every language of the page."""
+    """Return the title, source, text, question and labels in every language of the page."""
 
     def texts() -> dict[str, Any]:
         words = {key: scene_words(getattr(played.scene, key)) for key in ("title", "source", "text", "question")}
@@ -176,30 +182,35 @@ def _hex(colour: tuple[int, int, int]) -> str:
     return "#" + "".join(f"{part:02x}" for part in colour)
 
 
-# A packed motion contains the smallest number of samples between which straight lines follow every curve, as base64
-# text of typed arrays.
-# Size of all packed motions of a page in bytes. As base64 they take 800 kB, and the page stays below 1 MB.
+# Usual size of all packed motions of a page in bytes. A packed motion contains the smallest number of samples between
+# which straight lines follow every curve. The samples are stored as base64 text of typed arrays. This text takes 800
+# kB, and the page stays below 1 MB.
 USUAL_BYTES = 600_000
-# Usual size in bytes of the recording in a page that computes its motion. It is played only if WebAssembly is blocked.
+# Usual size in bytes of the recording in a page that computes its motion. The recording is played only if the browser
+# blocks WebAssembly.
 STANDBY_BYTES = 4_000
-MOST_BYTES = 6_000_000  # Largest size in bytes, for long chains whose samples are as coarse as allowed.
-COARSEST = 5  # Number of times that the accuracy may be reduced; afterwards curves would look wrong.
-CODES = 32767  # Largest code of a velocity or force; 0 stands for 0.
-# Largest distance between a curve and its straight lines, as a fraction of the axis: a third of a pixel of 1200.
+# Largest size of all packed motions in bytes. It is needed for long chains with the smallest accuracy.
+MOST_BYTES = 6_000_000
+# Largest number of times that the accuracy is reduced. With further reductions, the curves would look wrong.
+COARSEST = 5
+CODES = 32767  # Largest integer code of a velocity or force. The code 0 means zero.
+# Largest distance between a curve and the straight lines that represent it, as a fraction of the axis. It is a third of
+# a pixel on an axis of 1200 pixels.
 LINE_ERROR = 2.5e-4
-# Largest relative error of an overlap between samples. It does not change the second digit of a label.
+# Largest relative error of an overlap between two samples. An error of this size does not change the second digit of a
+# label.
 SAME_DEPTH = 4e-3
-STANDBY_COARSEST = 7  # the same for a recording that is played only if WebAssembly is blocked
-COARSER = 2.0  # Factor by which the allowed errors grow each time that a motion needs too many samples.
+STANDBY_COARSEST = 7  # value of COARSEST for a recording that is played only if the browser blocks WebAssembly
+COARSER = 2.0  # Factor by which the allowed errors increase when a motion needs too many samples.
 Rows = NDArray[np.intp]
 
 
 def packed_lanes(lanes: Sequence[Motion], scales: Scales, usual: int, coarsest: int = COARSEST) -> list[dict[str, Any]]:
-    """Return the packed motions of all `lanes`. Accuracy is reduced until they need `usual` bytes together, but at most
-    `coarsest` times.
+    """Return the packed motions of all `lanes`. The accuracy is reduced until the motions need at most `usual` bytes
+    together. It is reduced at most `coarsest` times.
 
     Raises:
-        UserError: with the lowest accuracy they still need more than MOST_BYTES.
+        UserError: with the lowest accuracy, the motions still need more than MOST_BYTES.
     """
     choices = zip(*(adaptive_rows(motion, scales) for motion in lanes), strict=True)
     for rows in islice(choices, 1 + coarsest):
@@ -219,9 +230,10 @@ def _size(motion: Motion, rows: Rows) -> int:
 
 
 def _packed(motion: Motion, rows: Rows, scales: Scales) -> dict[str, Any]:
-    """Pack the columns of a motion one after the other.
+    """Return the packed samples `rows` of a motion. The columns are stored one after the other.
 
-    Time, anchor, stored energy, absorbed energy and overlaps are floats; velocities and forces are integer codes.
+    Time, anchor, stored energy, absorbed energy and overlaps are stored as floats. Velocities and forces are stored as
+    integer codes.
     """
     depth = np.maximum(np.abs(motion.overlap).max(axis=0), np.finfo(float).tiny)
     absorbed = motion.absorbed if motion.absorbed.size else np.zeros(len(motion.time))
@@ -236,7 +248,7 @@ def _packed(motion: Motion, rows: Rows, scales: Scales) -> dict[str, Any]:
 
 
 def fastest(scales: Scales) -> float:
-    """Return the speed [m/s] with the largest code. A bead at rest has code 0."""
+    """Return the speed [m/s] that has the largest integer code. A bead at rest has the code 0."""
     return max(map(abs, scales.velocity))
 
 
@@ -247,10 +259,11 @@ def _base64(floats: Sequence[Array], shares: Sequence[Array]) -> str:
 
 
 def adaptive_rows(motion: Motion, scales: Scales) -> Iterator[Rows]:
-    """Yield ever smaller selections of samples of `motion` that still draw all its curves on the axes of `scales`.
+    """Yield smaller and smaller selections of the samples of `motion`. Each selection suffices to draw all curves on
+    the axes of `scales`.
 
-    Each selection is ascending and includes both ends. The first one has errors up to LINE_ERROR; every further one
-    allows COARSER times larger errors.
+    Each selection is ascending and includes the first and the last sample. The first selection has errors up to
+    LINE_ERROR. Each further selection allows errors that are larger by the factor COARSER.
     """
     curves, allowed = _curves(motion, scales)
     rows = needed_rows(motion.time, curves, allowed)
@@ -261,9 +274,10 @@ def adaptive_rows(motion: Motion, scales: Scales) -> Iterator[Rows]:
 
 
 def _curves(motion: Motion, scales: Scales) -> tuple[Array, Array]:
-    """Return all curves (T, c), and the error (T, c) that is allowed for each of their values."""
+    """Return all curves (T, c), and the allowed error (T, c) of each of their values."""
     overlap = motion.overlap
-    lens = np.maximum(np.abs(overlap).max(axis=0), np.finfo(float).tiny)  # An inset has the scale of its contact.
+    # The scale of an inset is the largest overlap of its contact.
+    lens = np.maximum(np.abs(overlap).max(axis=0), np.finfo(float).tiny)
     smallest = 10.0 ** (scales.decades[0] - 1)
     depth = np.maximum(SAME_DEPTH * np.abs(overlap), smallest)
     parts = [
@@ -281,10 +295,11 @@ def _curves(motion: Motion, scales: Scales) -> tuple[Array, Array]:
 
 
 def needed_rows(time: Array, curves: Array, allowed: Array) -> Rows:
-    """Return the samples between which straight lines deviate from `curves` (T, c) by at most `allowed` (T, c).
+    """Return the samples that are needed to draw `curves` (T, c) by straight lines. The lines deviate from the curves
+    by at most `allowed` (T, c).
 
-    Each section is divided at the value with the largest deviation (Douglas and Peucker), until no deviation is too
-    large.
+    Each section is divided at the value with the largest deviation (Douglas and Peucker). This is repeated until no
+    deviation is larger than allowed.
     """
     kept = {0, len(time) - 1}
     stretches = [(0, len(time) - 1)]

@@ -1,4 +1,6 @@
-"""The document of a page: one HTML file that contains its style, scripts, kernels and controls and loads nothing."""
+"""Document of a page. It is one HTML file that contains its style, scripts, kernels and controls. The file loads
+nothing else.
+"""
 
 import base64
 import gzip
@@ -18,14 +20,15 @@ SCRIPTS = (
     "language", "numbers", "bodies", "loupes", "stage", "chart", "kernel", "row", "live", "recorded", "address",
     "ending", "explain", "qr", "share", "host", "page", "controls",
 )  # fmt: skip
-# The browser refuses to load anything that is not inside the file.
+# Security policy of the page. With it, the browser loads nothing that is not inside the file.
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; img-src data:; "
     "base-uri 'none'; form-action 'none'"
 )
 
-# The script of the page connects the controls and translates their texts into the language of the reader.
-PACES = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # Playback speeds relative to the pace of the scene.
+# The script of the page connects the controls to the motion. It also translates their texts into the language of the
+# reader.
+PACES = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # Playback speeds relative to the usual playback speed of the scene.
 ICONS = {
     "play": "M8 5v14l11-7z",
     "pause": "M7 5h4v14H7zM13 5h4v14h-4z",
@@ -33,7 +36,7 @@ ICONS = {
     "ahead": "M15.6 5H18v14h-2.4zM5 5v14l9.5-7z",
     "again": "M12 5V1.5L7 6l5 4.5V7a5.5 5.5 0 1 1-5.4 6.6h-2A7.5 7.5 0 1 0 12 5z",
 }
-# Icon of the page: two overlapping beads, as an SVG file in a data address.
+# Icon of the page. It shows two overlapping beads and is an SVG file in a data address.
 ICON = (
     "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 32 32'%3E"
     "%3Ccircle cx='11' cy='16' r='10' fill='%230072b2'/%3E%3Ccircle cx='22' cy='16' r='10' fill='%23d08a00'/%3E%3C/svg%3E"
@@ -45,9 +48,10 @@ SHOWN = ("forces", "loupes", "balance", "charts")
 
 
 def document(title: str, text: str, parts: Sequence[str], data: object, computed: bool = False) -> str:
-    """Return the complete page with the `data` of its player. Empty `parts` of its main content are left out.
+    """Return the complete page with the `data` of its player. `parts` are the parts of its main content. Empty parts
+    are omitted.
 
-    `text` describes the page in the preview of a link. A `computed` page contains the kernels.
+    `text` describes the page in the preview of a link. If `computed` is True, the page contains the kernels.
     """
     style = re.sub(r"/\*.*?\*/|\s*([{};,])\s*|(?<=:) +", r"\1", resource("page/page.css").read_text(encoding="utf-8"))
     body = "\n".join(part for part in parts if part)
@@ -66,7 +70,9 @@ def document(title: str, text: str, parts: Sequence[str], data: object, computed
 
 
 def with_preview(text: str, address: str) -> str:
-    """Return a page with the address of itself and of its picture, which has the same name, for previews of links."""
+    """Return the page `text` with tags for the preview of a link. The tags contain the address of the page and the
+    address of its picture. The picture has the same name with the suffix .png.
+    """
     picture = f"{address.rpartition('.')[0]}.png"
     tags = "".join(
         f'<meta property="og:{name}" content="{escape(value)}">\n'
@@ -75,44 +81,48 @@ def with_preview(text: str, address: str) -> str:
     return text.replace("<title>", f"{tags}<title>", 1)
 
 
-MINIFIED = "page.min.js"  # asset that `python -m tools.page_script` writes
+MINIFIED = "page.min.js"  # file in assets/ that `python -m tools.page_script` writes
 
 
 def page_script_text(name: str) -> str:
-    """Return the source of a script."""
+    """Return the source code of one script."""
     return resource(f"page/{name}.js").read_text(encoding="utf-8")
 
 
 def page_sources() -> str:
-    """Return the sources of all scripts, in the order in which they depend on each other."""
+    """Return the source code of all scripts. The order follows their dependencies."""
     return '"use strict";\n' + "\n".join(map(page_script_text, SCRIPTS))
 
 
 def digest_line(sources: str) -> str:
-    """Return the first line of the minified script of these sources."""
+    """Return the first line of the minified script. It contains a digest of `sources`."""
     return f"// {hashlib.sha256(sources.encode()).hexdigest()[:16]}\n"
 
 
 def page_script() -> str:
-    """Return the minified script, or the sources if they were edited since it was written."""
+    """Return the minified script. If the sources have changed since it was written, return the sources instead."""
     sources = page_sources()
     head, _, minified = resource(MINIFIED).read_text(encoding="utf-8").partition("\n")
     return minified if f"{head}\n" == digest_line(sources) else sources
 
 
 def _kernels() -> str:
-    """Return a script element with the compressed fixed-step kernels, which the script of the page unpacks."""
+    """Return a script element with the compressed kernels of the fixed-step methods. The script of the page unpacks
+    them.
+    """
     packed = gzip.compress(resource("page/kernels.wasm").read_bytes(), 9, mtime=0)
     return f'<script type="application/octet-stream" id="kernels">{base64.b64encode(packed).decode()}</script>\n'
 
 
 def note(text: str, warning: bool = False) -> str:
-    """Return a sentence in small letters."""
+    """Return a paragraph with small text."""
     return f'<p class="note{" warning" if warning else ""}">{escape(text)}</p>'
 
 
 def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hints: Sequence[str] = ()) -> str:
-    """Return a table. The first cell of each row is its heading; `hints` are tooltips of these headings."""
+    """Return an HTML table. The first cell of each row is the heading of the row. `hints` are the tooltips of these
+    headings.
+    """
     head = "".join(f'<th scope="col">{escape(title)}</th>' if title else "<td></td>" for title in titles)
     lines = []
     for k, (first, *cells) in enumerate(rows):
@@ -127,23 +137,25 @@ def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hi
 
 
 def spoken(language: str, part: str) -> str:
-    """Return `part` in one language. The script shows it if this is the language of the reader."""
+    """Return `part`, marked with its language. The script of the page shows it if this is the language of the reader."""
     return f'<div lang="{language}"{"" if language == ENGLISH else " hidden"}>{part}</div>'
 
 
 def footer() -> str:
-    """Return the last line of the page, with the version."""
+    """Return the last line of the page, which contains the version."""
     return f'<footer><span data-say="made">made with</span> softcradle {escape(version())}</footer>'
 
 
 def json_text(content: Any) -> str:
-    """Return JSON for a script element, in which no text can be mistaken for markup."""
+    """Return `content` as JSON for a script element. Characters that could be read as HTML are escaped."""
     text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
     return text.replace("<", "\\u003c")
 
 
 def heading(title: str, source: str) -> str:
-    """Return the title, its place in the paper, the choice of a language, and the sentence for a blocked script."""
+    """Return the head of the page. It contains the title, the section of the paper, the choice of a language, and a
+    sentence that is shown if scripts are blocked.
+    """
     names = "".join(f'<option value="{code}">{escape(entry.name)}</option>' for code, entry in LANGUAGES.items())
     return (
         f'<header class="top"><div><h1 id="title">{escape(title)}</h1><p class="source" id="source">{escape(source)}</p></div>'
@@ -156,20 +168,20 @@ def heading(title: str, source: str) -> str:
 
 
 def player(question: str, text: str, uniform: bool, alone: bool, moving: bool, lies: bool = True) -> str:
-    """Return the beads with their clock, the texts around them, and the settings of the row.
+    """Return the player. It contains the beads, the clock, the texts and the settings of the chain.
 
     Parameters
     ----------
     question, text : str
-        The scene's question above the beads, and its text below them.
+        The question above the beads and the text below them.
     uniform : bool
-        The number of beads and the law can be chosen.
+        True if the reader can choose the number of beads and the contact law.
     alone : bool
-        The row can be compared with a second one.
+        True if the reader can compare the chain with a second chain.
     moving : bool
-        The row has a speed at the start.
+        True if the beads move at the start.
     lies : bool
-        The row lies on the ground, which can have friction; it does not hang on strings.
+        True if the beads lie on the ground, which can have friction. False if they hang on strings.
     """
     return (
         '<div class="play" id="play"><div class="tale">'
@@ -185,8 +197,8 @@ def player(question: str, text: str, uniform: bool, alone: bool, moving: bool, l
 
 
 def numbers(tables: str) -> str:
-    """Return the section with the numbers: live tables that the script fills, then the recorded `tables` in every
-    language.
+    """Return the section with the numbers. It first contains live tables, which the script fills. Then the recorded
+    `tables` follow in every language.
     """
     return (
         '<details id="numbers"><summary data-say="in numbers">In numbers</summary>'
@@ -196,13 +208,13 @@ def numbers(tables: str) -> str:
 
 
 def keys() -> str:
-    """Return the explanation of keys and touch, for live and for recorded pages."""
+    """Return the explanation of keyboard and touch control, for live and for recorded pages."""
     parts = '<p data-say="help"></p><p class="live-only" data-say="help live"></p>'
     return f'<details><summary data-say="keys">Keys and touch</summary>{parts}</details>'
 
 
 def _guesses() -> str:
-    """Return the buttons that answer the question above the beads."""
+    """Return the buttons with possible answers to the question above the beads."""
     buttons = "".join(f'<button id="guess-{kind}" class="wide"></button>' for kind in GUESSES)
     return f'<div id="guesses" class="guesses" role="group" aria-labelledby="lead" hidden>{buttons}</div>'
 
@@ -221,7 +233,9 @@ def _transport() -> str:
 
 
 def _share() -> str:
-    """Return the dialog with the link, the QR code and the code for an embedding site, and with the files to hand in."""
+    """Return the dialog for sharing. It contains the link, the QR code, the code for embedding the page, and the files
+    for handing in answers.
+    """
 
     def copied(name: str, word: str, field: str, kind: str) -> str:
         return (
@@ -255,7 +269,7 @@ def _more(alone: bool) -> str:
 
 
 def _button(name: str, word: str, icon: str, second: str = "") -> str:
-    """Return a button with an icon. A `second` icon replaces the first one while the motion plays."""
+    """Return a button with an icon. If there is a `second` icon, it replaces the first one while the motion is playing."""
     paths = f'<path class="one" d="{ICONS[icon]}"/>' + (f'<path class="two" d="{ICONS[second]}"/>' if second else "")
     return f'<button id="{name}" data-name="{word}"><svg viewBox="0 0 24 24" aria-hidden="true">{paths}</svg></button>'
 

@@ -1,4 +1,6 @@
-"""The motion that a page plays: recorded trajectories as the player shows them, and tables with their exact numbers."""
+"""Motion that a page plays. The module adapts recorded trajectories to the player and writes tables with their exact
+numbers.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,13 +19,14 @@ from softcradle.sandbox.trajectory_summary import bead_table, contact_table, sum
 from softcradle.scenes import Scene
 from softcradle.scenes.contact_text import contact_text
 
-# Fraction of the free flight before the start. A sample just before the start allows the force to jump there.
+# Time from the last sample before the start to the start, as a fraction of the free flight. This sample allows the
+# force to jump at the start.
 JUST_BEFORE = 1e-6
 
 
 @dataclass(frozen=True)
 class PlayedMotion:
-    """The content of a page: a scene with title and view, and a trajectory and a label for each of its lanes."""
+    """Content of a page: a scene with title and view, one trajectory for each lane, and one label for each lane."""
 
     scene: Scene
     trajectories: tuple[Trajectory, ...]
@@ -31,24 +34,26 @@ class PlayedMotion:
 
     @cached_property
     def motions(self) -> list[Motion]:
-        """The motion of every lane. Free flight is added before a start at t = 0 and after the end."""
+        """The motions of all lanes. Free flight is added after the end, and also before the start if a motion starts at
+        t = 0.
+        """
         motions = _drawable(self.scene, self.trajectories)
         require_finite(motions)
         return motions
 
     @cached_property
     def scales(self) -> Scales:
-        """Common axes of all lanes."""
+        """Common scales of the axes of all lanes."""
         return scales_of(self.scene, self.motions)
 
     @cached_property
     def time_unit(self) -> tuple[float, str]:
-        """Size of the unit of the time axis in seconds, and its name."""
+        """Unit of the time axis: its size in seconds, and its name."""
         return time_unit(self.scales.time[1] - self.scales.time[0])
 
     @cached_property
     def force_unit(self) -> tuple[float, str]:
-        """Size of the unit of the force axis in newtons, and its name."""
+        """Unit of the force axis: its size in newtons, and its name."""
         return force_unit(self.scales.force)
 
 
@@ -58,10 +63,10 @@ def played_motion(scene: Scene, trajectories: Sequence[Trajectory]) -> PlayedMot
 
 
 def _drawable(scene: Scene, trajectories: Sequence[Trajectory]) -> list[Motion]:
-    """Return the motions of all lanes over the same time.
+    """Return the motions of all lanes. All of them cover the same time span.
 
-    They begin at the latest start of a lane, because an edit may have restarted the record of a lane. Free flight is
-    added as in films: before a start at t = 0, and at the end if all lanes have separated.
+    An edit may have restarted the recording of a lane. Therefore the motions begin at the latest start of a lane. Free
+    flight is added as in films. It precedes a start at t = 0, and it follows the end if all lanes have separated.
     """
     end = max(float(found.time[-1]) for found in trajectories)
     lead, until = shown_span(scene, end)
@@ -75,15 +80,16 @@ def _drawable(scene: Scene, trajectories: Sequence[Trajectory]) -> list[Motion]:
 
 
 def _since(begin: float, motion: Motion) -> Motion:
-    """Return `motion` from its last sample at or before `begin`."""
+    """Return the part of `motion` that begins with the last sample at or before the time `begin` [s]."""
     rows = slice(int(np.searchsorted(motion.time, begin, side="right")) - 1, None)
     names = ("time", "overlap", "rate", "anchor", "force", "absorbed", "balance")
     return replace(motion, **{name: getattr(motion, name)[rows] for name in names})
 
 
 def _continued(motion: Motion, status: Status, end: float) -> Motion:
-    """Return `motion` until `end`. If the beads have separated, add one sample of free flight, reached by straight
-    lines.
+    """Return `motion`, continued to the time `end` [s] if its beads have separated.
+
+    One sample is added at `end`. The beads fly freely, so straight lines lead to this sample.
     """
     span = end - float(motion.time[-1])
     if status is not Status.SEPARATED or span <= 0.0:
@@ -103,7 +109,7 @@ def _continued(motion: Motion, status: Status, end: float) -> Motion:
 
 
 def result_tables(played: PlayedMotion) -> str:
-    """Return two tables for each lane."""
+    """Return two tables for each lane: the velocities of the beads, and the contacts."""
     parts = []
     for lane, trajectory in enumerate(played.trajectories):
         summary = summarise(played.labels[lane], trajectory)
@@ -116,7 +122,7 @@ def result_tables(played: PlayedMotion) -> str:
 
 
 def result_notes(played: PlayedMotion) -> str:
-    """Return notes about the computation of each lane, and its warnings."""
+    """Return notes about the computation of each lane. They include the warnings of the simulation."""
     parts = []
     for lane, trajectory in enumerate(played.trajectories):
         parts.append(note(_named(played, lane, recorded_sentence(trajectory))))
@@ -125,13 +131,13 @@ def result_notes(played: PlayedMotion) -> str:
 
 
 def _named(played: PlayedMotion, lane: int, text: str) -> str:
-    """Return `text`, preceded by the label of the lane if there are several lanes."""
+    """Return `text`. If there are several lanes, put the label of the lane in front of it."""
     label = scene_words(played.labels[lane])
     return f"{label}: {text}" if label and len(played.labels) > 1 else text
 
 
 def recorded_sentence(trajectory: Trajectory) -> str:
-    """Return the sentence about the method and the errors of a recorded motion."""
+    """Return the sentence that names the method and the errors of a recorded motion."""
     summary = summarise("", trajectory)
     if summary.step:
         fineness = _("step {step} s", step=scientific(summary.step))

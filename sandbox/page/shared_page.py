@@ -1,4 +1,6 @@
-"""The page to share: one HTML file that plays a scene, either computed in the browser or recorded."""
+"""Web page for sharing. It is one HTML file that plays a scene. The motion is either computed in the browser or
+recorded.
+"""
 
 import math
 import os
@@ -37,19 +39,20 @@ COARSE = 16.0  # Step of a coarse recording, in default steps.
 COARSE_SAMPLES = 361
 # Number of evenly spaced samples of the complete motion, and again of the time with closed contacts.
 EVEN_SAMPLES = 2001
-# Number of samples after each contact event, denser near the event, because overlaps begin as powers of the time since
-# then.
+# Number of samples after each contact event. They are denser near the event, because an overlap begins as a power of
+# the time since the contact closed.
 ONSET_SAMPLES = 48
-SHORTEST_ONSET = 1e-9  # Distance of the first of these samples from the event, as a fraction of the motion.
-LONGEST_ONSET = 1e-2  # Distance of the last of these samples from the event, as a fraction of the motion.
-# Largest number of events with such samples. Motions with more events are chattering, and their curves cannot show each
-# event.
+SHORTEST_ONSET = 1e-9  # Time between a contact event and the first sample after it, as a fraction of the motion.
+# Time between a contact event and the last of its additional samples, as a fraction of the motion.
+LONGEST_ONSET = 1e-2
+# Largest number of contact events with additional samples. If a motion has more events, the contacts are chattering.
+# Its curves cannot show each event.
 MOST_SWITCHES = 200
 
 
 @dataclass(frozen=True)
 class PageReport:
-    """Report of a written page: its path, its size [bytes], and if it computes its motion."""
+    """Report about a written page. It contains the path, the size [bytes], and True if the page computes its motion."""
 
     output: Path
     size: int
@@ -59,12 +62,12 @@ class PageReport:
 def write_page(
     trajectories: Trajectory | Sequence[Trajectory], scene: Scene, path: str | os.PathLike[str]
 ) -> PageReport:
-    """Write the recorded `trajectories`, one for each lane of `scene`, as a page that plays them.
+    """Write a page that plays the recorded `trajectories`. There is one trajectory for each lane of `scene`.
 
     Raises
     ------
     UserError
-        `path` cannot be written, or the motion is too long for a page; nothing is left behind.
+        `path` cannot be written, or the motion is too long for a page. No file is left behind.
     """
     found = (trajectories,) if isinstance(trajectories, Trajectory) else tuple(trajectories)
     if len(found) != len(scene.lanes):
@@ -78,16 +81,18 @@ def write_page(
 def render_page(
     scene: Scene, output: str | os.PathLike[str], slow: float | None = None, address: str = "", **settings: Any
 ) -> PageReport:
-    """Write the page of `scene`. The browser computes the motion if possible; otherwise it is recorded here.
+    """Write the page of `scene`. If possible, the browser computes the motion. Otherwise the motion is simulated now
+    and recorded in the page.
 
-    `address` is the address (URL) at which the page will be published, for previews of links. `slow` is the number of
-    seconds in which one second of motion is played; None means the value of the scene. If there are `settings` (keywords
-    of `physics.simulate`), the motion is recorded with them. Problems of the motion are reported as RuntimeWarning.
+    `address` is the address (URL) at which the page will be published. It is used in previews of links. `slow` is the
+    number of seconds in which one second of motion is played. If it is None, the value of the scene is used. `settings`
+    are keywords of `physics.simulate`. If any are given, the motion is recorded with them. Problems of the motion are
+    reported as RuntimeWarning.
 
     Raises:
-        UserError: the page cannot be written or the scene cannot be simulated; no file is left behind.
+        UserError: the page cannot be written or the scene cannot be simulated. No file is left behind.
     """
-    # Open the file before the simulation, so that an unwritable path is reported at once.
+    # The file is opened before the simulation. An unwritable path is therefore reported at once.
     with output_file(output) as temporary:
         text, computed = scene_text(scene, slow, **settings)
         text = with_preview(text, address) if address else text
@@ -95,8 +100,8 @@ def render_page(
 
 
 def scene_text(scene: Scene, slow: float | None = None, **settings: Any) -> tuple[str, bool]:
-    """Return the text of the page of :func:`render_page`, and True if it computes its motion. It raises the same
-    UserError.
+    """Return the text of the page that :func:`render_page` writes, and True if the page computes its motion. Raise
+    UserError for the same reasons as :func:`render_page`.
     """
     if slow is not None:
         scene = scene.model_copy(update={"view": scene.view.model_copy(update={"slow": checked_slow(slow)})})
@@ -121,7 +126,9 @@ def _recorded_text(scene: Scene, trajectories: Sequence[Trajectory]) -> str:
 
 
 def _computed_text(scene: Scene) -> str:
-    """Return the text of the page of a scene that :func:`can_be_computed`, with a recording for blocked WebAssembly."""
+    """Return the text of a page that computes the motion of `scene`. It also contains a recording, which is played if
+    the browser blocks WebAssembly.
+    """
     played = played_motion(scene, recorded_coarsely(scene))
     data = page_data(played, computed=True)
     parts = [
@@ -143,8 +150,8 @@ def _computed_text(scene: Scene) -> str:
 
 
 def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", tables: str = "") -> str:
-    """Return the text of a page that plays a recorded motion. `parts` follow at the end; `tables` are added to the
-    numbers.
+    """Return the text of a page that plays a recorded motion. `parts` are added at the end of the page. `tables` are
+    added to the section with the numbers.
     """
     scene, title = played.scene, title or played.scene.title
     first = [
@@ -160,7 +167,10 @@ def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", t
 
 
 def _scene_file(played: PlayedMotion) -> str:
-    """Return the scene file, or "" if there is none: for user-defined laws and for samples that begin after the start."""
+    """Return the part of the page with the scene file. Return an empty text if the scene has no file.
+
+    Scenes with user-defined contact laws have no file. Neither do recordings that begin after the start of the motion.
+    """
     if any(found.chain.own_laws or found.time[0] > 0.0 for found in played.trajectories):
         return ""
     return (
@@ -170,8 +180,8 @@ def _scene_file(played: PlayedMotion) -> str:
 
 
 def recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
-    """Return the trajectory of every lane of `scene`. `settings` are keywords of `physics.simulate`; None means the
-    scene's value.
+    """Return the trajectory of every lane of `scene`. `settings` are keywords of `physics.simulate`. A setting of None
+    means the value of the scene.
 
     Raises:
         UserError: the method does not support the settings.
@@ -188,7 +198,7 @@ def recorded(scene: Scene, **settings: Any) -> list[Trajectory]:
 
 
 def recorded_coarsely(scene: Scene) -> list[Trajectory]:
-    """Return the trajectory of every lane of `scene`, computed with the coarse steps of a page.
+    """Return the trajectory of every lane of `scene`, computed with coarse time steps.
 
     The page plays this recording if the browser does not allow it to compute.
 
@@ -204,8 +214,8 @@ def recorded_coarsely(scene: Scene) -> list[Trajectory]:
 
 
 def sample_times(trajectory: Trajectory, latest: float = math.inf) -> Array:
-    """Return sample times (T,) [s] up to `latest` for the motion of `trajectory`, whose contact events and end are
-    known.
+    """Return sample times (T,) [s] up to the time `latest` for recording a motion. They are denser after the contact
+    events of `trajectory`, which is an earlier simulation of the same motion.
     """
     end = min(float(trajectory.time[-1]), latest)
     found = {time for spans in trajectory.contact_intervals for span in spans for time in span}

@@ -1,5 +1,5 @@
-"""Charts as inline SVG: curves over time or overlap, and bars of contact states. The style of the page defines the
-colours.
+"""Charts as inline SVG. Line charts show curves over time or overlap, and bar charts show the states of contacts. The
+style of the page defines the colours.
 """
 
 import math
@@ -14,22 +14,23 @@ from softcradle.sandbox.story.numbers import power_of_ten, ticks
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-WIDTH = 440.0  # Width of a chart in the units of its view box.
+WIDTH = 440.0  # Width of a chart in the units of the SVG view box.
 HEIGHT = 230.0
-LEFT = 52.0  # Margins around the axes.
+LEFT = 52.0  # Left margin. The next three constants are the other margins around the axes.
 RIGHT = 20.0
 TOP = 12.0
 BOTTOM = 38.0
-BAR_PITCH = 24.0  # Height of a bar and the space below it.
+BAR_PITCH = 24.0  # Height of a bar, including the space below it.
 BAR_SPACE = 7.0  # Height of the space below a bar.
-MOST_POINTS = 500  # Largest number of points of a curve, without jumps.
-JUMP = 0.01  # Change between two samples, as a fraction of the axis, above which both samples are drawn.
-PLAIN_NUMBERS = (1e-2, 1e4)  # If the largest number of an axis is between these values, the axis shows no power of ten.
+MOST_POINTS = 500  # Largest number of points of a curve, not counting the ends of jumps.
+# Smallest change between two samples that counts as a jump, as a fraction of the axis. Both samples are drawn.
+JUMP = 0.01
+PLAIN_NUMBERS = (1e-2, 1e4)  # Range of the largest number of an axis in which the axis has no power of ten.
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve: its name, x and y (T,), and the CSS class of its colour."""
+    """Curve of a chart. It has a name, coordinates x and y (T,), and a CSS class that defines its colour."""
 
     name: str
     x: Array
@@ -39,7 +40,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class ChartAxes:
-    """Ranges and labels of both axes."""
+    """Ranges and labels of the two axes of a chart."""
 
     x: Range
     y: Range
@@ -47,16 +48,16 @@ class ChartAxes:
     y_label: str
 
     def across(self, value: Array) -> Array:
-        """Return the horizontal positions of `value`."""
+        """Return the horizontal positions of `value` in the chart."""
         return LEFT + (WIDTH - LEFT - RIGHT) * (value - self.x[0]) / (self.x[1] - self.x[0])
 
     def down(self, value: Array) -> Array:
-        """Return the vertical positions of `value`."""
+        """Return the vertical positions of `value` in the chart."""
         return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (value - self.y[0]) / (self.y[1] - self.y[0])
 
 
 def line_chart(title: str, curves: Sequence[Curve], axes: ChartAxes) -> str:
-    """Return a figure with the curves, a grid, and a legend if there are several curves."""
+    """Return a figure with the curves and a grid. If there are several curves, the figure has a legend."""
     lines = [
         f'<path class="curve {curve.css_class}" d="{_path(curve, axes)}"><title>{escape(curve.name)}</title></path>'
         for curve in reversed(curves)
@@ -68,9 +69,9 @@ def line_chart(title: str, curves: Sequence[Curve], axes: ChartAxes) -> str:
 def bar_chart(
     title: str, rows: Sequence[tuple[str, Sequence[tuple[str, float, float]]]], axes: ChartAxes, unit: str
 ) -> str:
-    """Return a figure with a row of bars for each name, above a time axis.
+    """Return a figure with one line of bars for each name. The lines are above a time axis.
 
-    A bar is an interval (state, begin, end [`unit`]). `axes.y` is not used.
+    A bar is an interval (state, begin, end). Its times are in the unit `unit`. `axes.y` is not used.
     """
     height = TOP + BAR_PITCH * len(rows) + BOTTOM
     parts = []
@@ -96,8 +97,9 @@ def _path(curve: Curve, axes: ChartAxes) -> str:
 
 
 def _thinned(x: Array, y: Array, axes: ChartAxes) -> NDArray[np.int_]:
-    """Return the points inside the axes that draw the same curve: MOST_POINTS evenly spaced in x, and both ends of
-    every jump.
+    """Return the indices of fewer points that draw the same curve inside the axes.
+
+    They are MOST_POINTS points that are evenly spaced in x, and the two ends of every jump.
     """
     inside = np.flatnonzero((x >= axes.x[0]) & (x <= axes.x[1]))
     if not inside.size:
@@ -127,7 +129,9 @@ def _grid(axes: ChartAxes) -> str:
 
 
 def _value_ticks(axes: ChartAxes) -> tuple[list[tuple[float, str]], int]:
-    """Places and labels of the vertical axis, and the power of ten by which its labels are too small."""
+    """Return the positions and labels of the ticks of the vertical axis. Also return the power of ten by which the
+    labels must be multiplied.
+    """
     largest = max(abs(end) for end in axes.y)
     power = 0 if PLAIN_NUMBERS[0] < largest < PLAIN_NUMBERS[1] else math.floor(math.log10(largest))
     marks = ticks(axes.y[0] / 10.0**power, axes.y[1] / 10.0**power, 5)
@@ -159,5 +163,5 @@ def _figure(title: str, body: str, height: float, legend: str) -> str:
 
 
 def chart_row(charts: list[str]) -> str:
-    """Charts side by side, or below each other where there is no room."""
+    """Return charts side by side. If the page is too narrow, the charts are below each other."""
     return f'<div class="charts">{"".join(charts)}</div>'
