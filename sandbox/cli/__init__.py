@@ -1,1 +1,3 @@
-"""The softcradle command: its arguments, its tables of results, and one module for each subcommand."""
+"""The `softcradle` command. The package contains its arguments, its tables of results, and one module for each
+subcommand.
+"""

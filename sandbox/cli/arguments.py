@@ -1,4 +1,4 @@
-"""Arguments that several commands share, and argument types that reject a bad value with a clear message."""
+"""Arguments that several commands share. Their types reject an invalid value with a clear message."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ LISTED = "--list computes nothing: {option} is for what is computed"
 
 
 def positive_number(text: str) -> float:
-    """Convert `text` to a positive number within the limits of the physics; fractions such as 1/60 are allowed."""
+    """Convert `text` to a positive number. Fractions such as 1/60 are allowed. The number must be within the limits of
+    the simulation.
+    """
     from softcradle.physics.checked_input import LARGEST, SMALLEST
 
     numerator, slash, denominator = text.partition("/")
@@ -33,7 +35,7 @@ def positive_number(text: str) -> float:
 
 
 def whole_number(least: int, most: int) -> Callable[[str], int]:
-    """Return an argument type that accepts whole numbers from `least` to `most`."""
+    """Return an argument type for whole numbers from `least` to `most`."""
 
     def checked(text: str) -> int:
         if not re.fullmatch(r"\d{1,12}", text) or not least <= int(text) <= most:
@@ -44,7 +46,7 @@ def whole_number(least: int, most: int) -> Callable[[str], int]:
 
 
 def picture_size(text: str) -> tuple[int, int]:
-    """Convert text such as 1280x720 to (width, height) in pixels."""
+    """Convert a text such as 1280x720 to (width, height) [pixels]."""
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
     if match is None:
         raise argparse.ArgumentTypeError(f"must be WIDTHxHEIGHT such as 1280x720, not {text!r}")
@@ -70,12 +72,14 @@ def add_method(parser: argparse.ArgumentParser) -> None:
 
 
 def completed(action: argparse.Action, words: Callable[..., list[str]]) -> None:
-    """Let the shell complete the argument with the result of `words`, and with file names."""
+    """Register the completions of an argument in the shell. They are the result of `words`, and file names."""
     action.completer = words  # type: ignore[attr-defined]  # what argcomplete looks for
 
 
 def scene_words(prefix: str = "", **_: object) -> list[str]:
-    """Return the completions of a scene argument: names of scenes, scene files, trajectory files and folders."""
+    """Return the completions of an argument that names a scene. They are scene names, scene files, trajectory files and
+    folders.
+    """
     from glob import escape, glob
 
     from softcradle.scenes import names
@@ -90,13 +94,14 @@ FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 def figure_path(name: str, command: str) -> Path:
     """Return the path of a picture that matplotlib will draw.
 
-    Raise UserError if the file format is not supported, and ImportError if matplotlib is not installed.
+    Raise UserError if the file format is not supported. Raise ImportError if matplotlib is not installed.
     """
     if Path(name).suffix not in FIGURE_SUFFIXES:
         raise UserError(f"cannot write {name}: {command} writes {', '.join(FIGURE_SUFFIXES)}")
     from softcradle.sandbox.studies.plot_style import require_matplotlib
 
-    require_matplotlib()  # Checked before the runs, so that a missing package does not waste them.
+    # The package is checked before the simulations. Otherwise their results would be lost if it is missing.
+    require_matplotlib()
     return Path(name)
 
 
@@ -104,8 +109,8 @@ def figure_path(name: str, command: str) -> Path:
 def opened_outputs(paths: Sequence[Path]) -> Iterator[list[Path]]:
     """Yield temporary files that replace `paths` when the block ends without an error.
 
-    The files are opened before the runs, so an unwritable path is reported at once. The default folder is created if it
-    is needed; other folders must exist. Raise UserError if two paths are the same file.
+    The files are opened before the simulations. An unwritable path is therefore reported at once. The default folder is
+    created if necessary. Other folders must exist. Raise UserError if two paths are the same file.
     """
     from softcradle.sandbox.files import filled_folder, output_file
 
@@ -119,10 +124,11 @@ def opened_outputs(paths: Sequence[Path]) -> Iterator[list[Path]]:
 
 @contextmanager
 def picture_folder(name: str, kept: str) -> Iterator[tuple[Path, Path, WrittenFiles]]:
-    """Create the folder for the pictures of a study before its runs.
+    """Create the folder for the pictures of a study before its simulations start.
 
-    Yield the folder, the path of the store that keeps computed points until everything is drawn, and a record of the
-    files that the folder contained before. The store is removed at the end.
+    Yield three values. The first is the folder. The second is the path of the store that keeps computed points until
+    all pictures are drawn. The third is a record of the files that the folder already contained. The store is removed
+    at the end.
     """
     from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.studies.plot_style import require_matplotlib
@@ -135,7 +141,8 @@ def picture_folder(name: str, kept: str) -> Iterator[tuple[Path, Path, WrittenFi
 
 
 class WrittenFiles:
-    """Record of the files that exist before a command writes. It tells new files from replaced ones in the report.
+    """Record of the files that exist before a command writes. With this record, the report distinguishes new files from
+    replaced files.
 
     Arguments:
         candidates: paths of the files that may be written.
@@ -145,7 +152,8 @@ class WrittenFiles:
         self._before = {path.absolute() for path in candidates if os.path.isfile(path) or os.path.isdir(path)}
 
     def report(self, paths: Sequence[Path], detail: str = "", show: bool = False, silent: bool = False) -> None:
-        """Print which files were written and which were replaced, unless `silent`. If `show`, open the first file.
+        """Print which files were written and which were replaced. Print nothing if `silent` is True. If `show` is True,
+        open the first file.
 
         Raises:
             UserError: no program on this machine can open the file.
@@ -157,19 +165,19 @@ class WrittenFiles:
 
 
 def open_with_desktop(path: Path) -> None:
-    """Open a file or folder with the default program of the desktop. Raise UserError if that program is missing."""
+    """Open a file or folder with the default program of the desktop. Raise UserError if there is no such program."""
     if not webbrowser.open(path.absolute().as_uri()):
         raise UserError(f"{path} is written, but no program was found to open it with")
 
 
 def add_open(parser: argparse.ArgumentParser) -> None:
-    """Add the option that opens the written file."""
+    """Add the option --open, which opens the written file."""
     parser.add_argument("--open", action="store_true", help="open the file with the desktop's program for it")
 
 
 def refuse_options(args: argparse.Namespace, sentence: str, *names: str) -> None:
-    """Raise UserError if one of the options `names` is given. The message is `sentence` with the option for
-    ``{option}``.
+    """Raise UserError if one of the options `names` is given. The message is `sentence`, in which ``{option}`` is
+    replaced by the name of the option.
     """
     for name in names:
         if getattr(args, name) not in (None, False):
@@ -177,6 +185,6 @@ def refuse_options(args: argparse.Namespace, sentence: str, *names: str) -> None
 
 
 def check_open(wanted: bool, output: object) -> None:
-    """Raise UserError if --open is `wanted` but nothing is written (`output` is empty)."""
+    """Raise UserError if the option --open is given (`wanted`) but no file is written (`output` is empty)."""
     if wanted and not output:
         raise UserError("--open opens the file that is written: give one with -o, too")

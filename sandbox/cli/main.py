@@ -1,6 +1,7 @@
-"""The `softcradle` command with its subcommands. Errors become a message of one sentence and an exit code.
+"""The `softcradle` command with its subcommands. An error is reported as a message of one sentence and an exit code.
 
-The module of a subcommand is imported only when the subcommand runs. The parsers reject an option that is given twice.
+The module of a subcommand is imported only when the subcommand runs. If an option is given twice, the parsers report an
+error.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 
 class CommandModule(Protocol):
-    """Interface of the module of a subcommand."""
+    """Interface that the module of each subcommand implements."""
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Declare the arguments of the command."""
@@ -46,7 +47,9 @@ class CommandModule(Protocol):
 
 
 class Command(NamedTuple):
-    """Subcommand: its name, which is also the name of its module, and its line in the help."""
+    """Subcommand of `softcradle`. It consists of its name and its line in the help. The name is also the name of its
+    module.
+    """
 
     name: str
     help: str
@@ -80,7 +83,9 @@ COMMANDS = (
 
 
 class Parser(argparse.ArgumentParser):
-    """ArgumentParser that raises UserError with a message of one sentence instead of printing its usage."""
+    """ArgumentParser that raises UserError with a message of one sentence. The parser of argparse would print its
+    usage.
+    """
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
@@ -92,16 +97,18 @@ class Parser(argparse.ArgumentParser):
         )  # fmt: skip
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
-        """Print the help. Unlike the method of argparse, raise an error if the output cannot be written."""
+        """Print the help. If the output cannot be written, raise an error. The method of argparse would ignore it."""
         print(self.format_help(), end="", file=file)
 
     def error(self, message: str) -> NoReturn:
-        """Raise `message` as a UserError."""
+        """Raise a UserError with the text `message`."""
         raise UserError(f"{message} (see {self.prog} --help)")
 
 
 class _StoreOnce(argparse.Action):
-    """Action that stores a value and rejects a repeated option. The action of argparse silently keeps the last value."""
+    """Action that stores the value of an option and rejects a repeated option. The action of argparse would keep the
+    last value without a message.
+    """
 
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
@@ -112,7 +119,9 @@ class _StoreOnce(argparse.Action):
 
 
 def command_parsers() -> tuple[Parser, dict[str, Parser]]:
-    """Return the main parser and the parser of each command by name, still without the arguments of the commands."""
+    """Return the main parser, and the parser of each command by the name of the command. The arguments of the commands
+    are not declared yet.
+    """
     parser = Parser(
         prog="softcradle",
         formatter_class=_Help,
@@ -130,17 +139,19 @@ def command_parsers() -> tuple[Parser, dict[str, Parser]]:
 
 
 class _Help(argparse.HelpFormatter):
-    """Help formatter whose first column fits the longest command name. argparse ignores the indentation of the names."""
+    """Help formatter whose first column is as wide as the longest command name. The formatter of argparse ignores that
+    command names are indented.
+    """
 
     def add_argument(self, action: argparse.Action) -> None:
-        """Add the argument, and widen the column to the longest indented name and two spaces."""
+        """Add the argument. Widen the first column to the longest indented name plus two spaces."""
         super().add_argument(action)
         self._action_max_length = max(self._action_max_length, 4 + max(len(command.name) for command in COMMANDS))
 
 
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        # Imported here because it reads the metadata of the installation, which would slow down every start.
+        # This import reads the metadata of the installation. At the top of the module, it would slow down every start.
         from softcradle.physics.version import version
 
         print(f"softcradle {version()}")
@@ -152,18 +163,28 @@ OTHER_WORDS = {"list": "scenes", "open": "play", "show": "play", "view": "play",
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line `arguments` (None: those of the process) and return the exit code.
+    """Run the command line `arguments` and return the exit code. If `arguments` is None, use the arguments of the
+    process.
 
-    The codes are 0 for success, 1 if `verify` finds a wrong number, 2 for a mistake of the user, 3 if a run gave up
-    before its end and 4 if a sweep lost points. They are 130 after an interrupt, 141 if the reader closed the pipe, and
-    129 or 143 after a hang-up or termination signal.
+    The exit codes are:
+
+    * 0: success
+    * 1: `verify` found a wrong number
+    * 2: mistake of the user
+    * 3: a simulation gave up before its end
+    * 4: a sweep lost points
+    * 129 and 143: hang-up signal and termination signal
+    * 130: interrupt
+    * 141: the reader of the output closed the pipe
     """
     if arguments is None:
-        # A terminated command must end like an interrupted one, so that half-written files are removed.
+        # A terminated command ends in the same way as an interrupted command, because half-written files must be
+        # removed.
         for number in (getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)):
-            if signal.getsignal(number) != signal.SIG_IGN:  # Ignored signals stay ignored, for example under nohup.
+            # Signals that are ignored at the start remain ignored, for example under nohup.
+            if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, lambda number, _: sys.exit(128 + number))
-        for stream in (sys.stdout, sys.stderr):  # Their encoding may lack subscripts and Greek letters.
+        for stream in (sys.stdout, sys.stderr):  # The encoding of these streams may lack subscripts and Greek letters.
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="replace")
     try:
@@ -184,7 +205,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _flushed(arguments: list[str]) -> int:
-    """Run the command and flush its output, also if the command fails."""
+    """Run the command and flush its output. The output is flushed even if the command fails."""
     try:
         try:
             return _run(arguments)
@@ -192,7 +213,8 @@ def _flushed(arguments: list[str]) -> int:
             sys.stdout.flush()
     except BrokenPipeError:
         raise
-    except OSError as error:  # Errors of output files are already UserErrors. This is an error of standard output.
+    # Errors of output files have already become UserErrors. The remaining errors concern the standard output.
+    except OSError as error:
         discard(sys.stdout)
         unnamed = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"
         raise UserError(f"cannot write to {error.filename or unnamed}: {reason(error)}") from None
@@ -221,21 +243,21 @@ def _run(arguments: list[str]) -> int:
 
 
 def _with_extras(module: CommandModule, args: argparse.Namespace) -> int:
-    """Run the command. Raise UserError if it needs a package that is not installed."""
+    """Run the command. Raise UserError if the command needs a package that is not installed."""
     from softcradle.physics.extras import needed_for
 
     try:
         with needed_for(f"softcradle {args.command}", "window" if args.command == "play" else None):
             return module.main(args)
     except ImportError as error:
-        # A compiled module that is interrupted while it loads raises an ImportError with this cause.
+        # If a compiled module is interrupted while it is loaded, it raises an ImportError with this cause.
         if isinstance(error.__cause__, KeyboardInterrupt | SystemExit):
             raise error.__cause__ from None
         raise UserError(str(error)) from None
 
 
 def _complete(parser: Parser, parsers: dict[str, Parser]) -> None:
-    """Print the completions that the shell requests, and exit."""
+    """Print the completions that the shell has requested, and exit."""
     import argcomplete
 
     for command in COMMANDS:
@@ -259,19 +281,23 @@ def _module(name: str) -> CommandModule:
 
 
 def discard(stream: TextIO) -> None:
-    """Redirect the stream to the null device. Otherwise Python would try to write its buffer again at exit."""
+    """Redirect the stream to the null device. Otherwise Python would try again to write the buffered output when it
+    exits.
+    """
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class CompileNotes(logging.Handler):
-    """Logging handler that prints the records of the logger `softcradle`."""
+    """Logging handler that prints the messages of the logger `softcradle`."""
 
     def __init__(self, stream: TextIO) -> None:
         super().__init__(logging.INFO)
         self._stream, self._follows = stream, stream.isatty()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print the record: warnings as lines; on a terminal, progress on a line that the next record replaces."""
+        """Print the message. Warnings are printed as lines. On a terminal, progress is printed on a line that the next
+        message replaces.
+        """
         if record.levelno >= logging.WARNING:
             self._stream.write(f"softcradle: {record.getMessage()}\n")
         elif self._follows:
@@ -279,7 +305,7 @@ class CompileNotes(logging.Handler):
         self._stream.flush()
 
     def close(self) -> None:
-        """Erase the last progress message."""
+        """Erase the last progress message from the terminal."""
         if self._follows:
             self._stream.write(ERASE_LINE)
         super().close()
@@ -287,12 +313,14 @@ class CompileNotes(logging.Handler):
 
 @contextmanager
 def compilation_shown() -> Iterator[None]:
-    """Print warnings while the block runs, and the progress of compilation unless the user wants quiet output."""
+    """Print warnings while the block runs. Also print the progress of compilation, unless the user has requested quiet
+    output.
+    """
     logger, notes = logging.getLogger("softcradle"), CompileNotes(sys.stderr)
     level, passed_on = logger.level, logger.propagate
     if is_quiet():
         notes.setLevel(logging.WARNING)
-        # Waiting for kernels is progress, not a warning.
+        # Messages about waiting for kernels are progress, not warnings.
         notes.addFilter(lambda record: record.module != "kernel_tiers")
     logger.addHandler(notes)
     logger.setLevel(logging.INFO)

@@ -1,3 +1,3 @@
-"""One module for each subcommand, with the functions `add_arguments` and `main`. `softcradle.sandbox.cli.main` lists
-them.
+"""Modules of the subcommands. Each module has the functions `add_arguments` and `main`. `softcradle.sandbox.cli.main`
+contains the list of subcommands.
 """

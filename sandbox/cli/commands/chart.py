@@ -1,5 +1,5 @@
-"""`softcradle chart`: plot the cost of every method over its error, measured on this machine, with other integrators
-for comparison.
+"""`softcradle chart`: measure the computing time and the error of every method on this machine. Plot the time over the
+error, together with other integrators for comparison.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Measure the cases, draw the chart and print a table for each case."""
+    """Measure the cases, draw the chart and print one table for each case."""
     from softcradle.sandbox.studies.plot_style import save_figure, styled
     from softcradle.sandbox.studies.precision.chart import draw_chart
     from softcradle.sandbox.studies.precision.measurement import machine_stamp
@@ -74,7 +74,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _definitions(wanted: Sequence[str]) -> list[CaseDefinition]:
-    """Return the cases with these names; all cases if no name is given. Other names are read as scenes."""
+    """Return the cases with the names `wanted`. If no name is given, return all cases. Names that are not cases are
+    read as scenes.
+    """
     from softcradle.sandbox.studies.precision.cases import CASE_DEFINITIONS, definitions_of
 
     known = {definition.name: definition for definition in CASE_DEFINITIONS}
@@ -104,7 +106,9 @@ def _measured(
 
 
 def _peers() -> ModuleType | None:
-    """Return the module with the other integrators, or None, because an installed wheel does not contain it."""
+    """Return the module with the integrators of other projects. Return None if it is missing, because an installed
+    wheel does not contain it.
+    """
     try:
         from softcradle.sandbox.studies.precision import peers
     except ImportError:

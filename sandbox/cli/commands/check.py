@@ -1,4 +1,6 @@
-"""`softcradle check FILE ...`: print every problem of every file in one line each. The exit code is 2 if there is any."""
+"""`softcradle check FILE ...`: print every problem of every file on one line each. The exit code is 2 if there is a
+problem.
+"""
 
 import argparse
 import sys
@@ -6,7 +8,7 @@ from collections.abc import Iterable, Iterator
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the argument for the files."""
+    """Add the argument that names the files."""
     parser.add_argument(
         "files",
         metavar="FILE",
@@ -16,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Check all files and print how many are correct."""
+    """Check all files and print how many files are correct."""
     found = [_check(file) for file in dict.fromkeys(_listed(args.files))]
     if len(found) > 1:
         wrong = len(found) - sum(found)
@@ -25,7 +27,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _listed(words: Iterable[str]) -> Iterator[str]:
-    """Yield the named files, the scene files in named folders, and the files that match a pattern."""
+    """Yield the files that the arguments name. A folder stands for its scene files, and a pattern for the matching
+    files.
+    """
     from glob import glob, has_magic
     from pathlib import Path
 
@@ -39,14 +43,14 @@ def _listed(words: Iterable[str]) -> Iterator[str]:
 
 
 def _some(word: str, files: list[str]) -> list[str]:
-    """Return the files. If the list is empty, return the word itself, so that the check of this word reports the
+    """Return the files. If there are none, return the argument `word` itself. The check of this word then reports the
     problem.
     """
     return files or [word]
 
 
 def _check(file: str) -> bool:
-    """Print the problems of a file, or that it is correct. Return True if it is correct."""
+    """Print the problems of a file, or a message that the file is correct. Return True if the file is correct."""
     from pathlib import Path
 
     from softcradle.scenes import SceneError, load

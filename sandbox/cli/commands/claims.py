@@ -1,5 +1,5 @@
-"""`softcradle claims`: measure the statements of the paper, each with its range, error bars, verdict, counter-example
-and picture.
+"""`softcradle claims`: measure the statements of the paper. Each statement gets a range, error bars, a verdict, a
+counter-example and a picture.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from softcradle.sandbox.user_error import named
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.claims.claim import JudgedClaim
 
-KEPT = "claims"  # Name of the store in the output folder that keeps measured cases until all are done.
+KEPT = "claims"  # Name of a file store in the output folder. It keeps the measured cases until all cases are measured.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Measure the claims, print them, and write their pictures."""
+    """Measure the statements of the paper, print the results, and write the pictures."""
     from softcradle.sandbox.files import output_file
     from softcradle.sandbox.studies.claims.catalogue import CLAIMS, measure_claims
     from softcradle.sandbox.studies.claims.study_figure import markdown, write_studies

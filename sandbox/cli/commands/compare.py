@@ -1,4 +1,4 @@
-"""`softcradle compare`: compute the same collision in several chains and write a film, a report or the numbers."""
+"""`softcradle compare`: simulate the same collision in several chains. Write a film or a report, or print the numbers."""
 
 import argparse
 from pathlib import Path
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compare the chains, write the outputs and print the tables or the JSON."""
+    """Compare the chains and write the outputs. Print the results as tables or as JSON."""
     from softcradle.sandbox.studies.compare.report import ComparisonReport, FilmSettings, check_outputs
     from softcradle.sandbox.studies.compare.results import print_tables, solve_sides
     from softcradle.sandbox.studies.compare.sides import add_match, comparison_of, side_to_match

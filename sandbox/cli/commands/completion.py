@@ -1,4 +1,6 @@
-"""`softcradle completion SHELL`: print the script with which a shell completes commands, options, methods and scenes."""
+"""`softcradle completion SHELL`: print a script for a shell. With this script, the shell completes commands, options,
+methods and scenes.
+"""
 
 import argparse
 
@@ -10,7 +12,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Print the script."""
+    """Print the completion script."""
     from argcomplete.shell_integration import shellcode
 
     print(shellcode(["softcradle"], shell=args.shell))

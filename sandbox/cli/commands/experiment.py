@@ -1,5 +1,5 @@
-"""`softcradle experiment`: compute which part of the losses in the paper's experiment bed friction and caught pistons
-explain.
+"""`softcradle experiment`: explain the losses of momentum and energy in the experiment of the paper. It computes the
+parts that are caused by friction on the bed and by caught pistons.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Fit the coefficient of friction, and print the momentum and energy deficits with and without pistons."""
+    """Fit the coefficient of friction. Print the losses of momentum and energy with and without pistons."""
     from softcradle.sandbox.files import readable_json
     from softcradle.sandbox.studies.experiment import STRIKERS, compute_experiment, critical_speed_with_error
 

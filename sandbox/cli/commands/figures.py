@@ -1,11 +1,13 @@
-"""`softcradle figures`: draw the figures of the paper, and figures of data that the paper mentions but does not show."""
+"""`softcradle figures`: draw the figures of the paper. It also draws figures of data that the paper mentions but does
+not show.
+"""
 
 import argparse
 
 from softcradle.sandbox.cli.arguments import LISTED, add_open, open_with_desktop, picture_folder, refuse_options
 from softcradle.sandbox.console import ProgressShown, print_rows
 
-KEPT = "figures"  # Name of the store in the output folder that keeps computed tables until all figures are drawn.
+KEPT = "figures"  # Name of a file store in the output folder. It keeps the computed tables until all figures are drawn.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Draw the figures, or list them."""
+    """Draw the figures, or print the list of figures."""
     from softcradle.sandbox.studies.figures.catalogue import compute_tables, figures_named, write_figure
 
     figures = figures_named(args.names)

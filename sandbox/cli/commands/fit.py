@@ -1,4 +1,4 @@
-"""`softcradle fit`: fit free values of a scene to measured data, or search the values that reach a goal."""
+"""`softcradle fit`: fit the free values of a scene to measured data. It can also search for values that reach a goal."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Fit or design, write the outputs and print the tables."""
+    """Fit the values or search for them, write the outputs and print the tables."""
     check_open(args.open, args.output)
     if not args.free:
         raise UserError("no free value is given: name one, such as --free lanes.0.contact.loss")
@@ -138,7 +138,9 @@ def _fit(args: argparse.Namespace, scene: Scene) -> int:
 
 
 def _checked_output(name: str, suffixes: Sequence[str]) -> Path:
-    """Return the path of an output. Raise UserError if its format is not supported, ImportError without matplotlib."""
+    """Return the path of an output file. Raise UserError if its format is not supported. Raise ImportError if
+    matplotlib is not installed.
+    """
     path = Path(name)
     if path.suffix not in suffixes:
         raise UserError(f"cannot write {name}: fit writes {', '.join(suffixes)}")
@@ -146,7 +148,7 @@ def _checked_output(name: str, suffixes: Sequence[str]) -> Path:
 
 
 def _paths(path: Path, count: int) -> list[Path]:
-    """Return one path for each table of data."""
+    """Return one output path for each table of data."""
     return [path] if count == 1 else [path.with_name(f"{path.stem}-{k + 1}{path.suffix}") for k in range(count)]
 
 
@@ -171,7 +173,7 @@ def _write(path: Path, found: SceneFit, content: dict[str, Any]) -> None:
 
 
 def fit_numbers(found: SceneFit) -> dict[str, Any]:
-    """Return the numbers of a fit for JSON."""
+    """Return the results of a fit as a dictionary for JSON."""
     from softcradle.physics.checked_input import finite_or_none
     from softcradle.physics.trajectory_file import versions
 
@@ -196,7 +198,7 @@ def fit_numbers(found: SceneFit) -> dict[str, Any]:
 
 
 def print_fit(found: SceneFit) -> None:
-    """Print the fitted values, their correlations and the statements."""
+    """Print the fitted values, their correlations and the sentences about the fit."""
     from softcradle.sandbox.studies.fitting.fit_scene import shown_value
     from softcradle.sandbox.studies.fitting.observations import UNIT_OF
 
@@ -220,7 +222,7 @@ def print_fit(found: SceneFit) -> None:
 
 
 def _strongest(found: SceneFit) -> str:
-    """Return a line with the strongest correlation of two fitted values; an empty text if there is none."""
+    """Return a line about the two fitted values with the strongest correlation. Return an empty text if there is none."""
     import numpy as np
 
     size = np.abs(np.nan_to_num(np.triu(found.correlation, 1)))
@@ -231,7 +233,7 @@ def _strongest(found: SceneFit) -> str:
 
 
 def print_scatter(found: Sequence[SceneFit]) -> None:
-    """Print mean and scatter of each fitted value over several tables of data."""
+    """Print the mean and the scatter of each fitted value. They are computed from the fits of several tables of data."""
     import numpy as np
 
     rows = []

@@ -1,4 +1,6 @@
-"""`softcradle maps`: map how rigidly a struck cluster moves, over its size and over softness or speed."""
+"""`softcradle maps`: draw maps that show how rigidly a struck cluster of beads moves. One axis of a map is the size of
+the cluster. The other axis is the softness or the speed.
+"""
 
 import argparse
 from contextlib import suppress
@@ -8,9 +10,10 @@ from softcradle.sandbox.console import ProgressShown
 from softcradle.sandbox.user_error import UserError, named
 
 NAMES = ("power-law", "draft-gear")
-COLUMNS = 200  # Default number of columns of a map (values of softness or speed).
-ROWS = 20  # Default number of rows of a map (cluster sizes).
-MOST_POINTS = 2000  # Largest number of rows or columns. A typing error must not start a run of several days.
+COLUMNS = 200  # Default number of columns of a map. Each column has one value of softness or speed.
+ROWS = 20  # Default number of rows of a map. Each row has one cluster size.
+# Largest number of rows or columns. With this limit, a typing error cannot start a computation of several days.
+MOST_POINTS = 2000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compute the maps, draw them and write their numbers."""
+    """Compute the maps, draw them and write their numbers to files."""
     names = named("map", args.names, dict(zip(NAMES, NAMES, strict=True)))
     columns, rows = _points(args.points)
     from softcradle.sandbox.studies.plot_style import styled, write_picture

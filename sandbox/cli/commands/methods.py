@@ -13,7 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Print the methods."""
+    """Print the integration methods with their purposes."""
     takes = {method: "tolerance" if method.adaptive else "step" for method in METHODS}
     if args.json:
         names = ("name", "purpose", "summary", "order", "dissipative")

@@ -1,4 +1,4 @@
-"""`softcradle page`: write a web page in one file that simulates a scene live, in any browser."""
+"""`softcradle page`: write a web page that simulates a scene live in any browser. The page is a single file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from softcradle.sandbox.user_error import UserError
 if TYPE_CHECKING:
     from softcradle.scenes import Scene
 
-PREVIEW = (1200, 630)  # size [pixels] of the picture in the preview of a link
+PREVIEW = (1200, 630)  # Size of the picture in the preview of a link [pixels].
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Write the page."""
+    """Write the page of the scene."""
     if not args.output.lower().endswith((".html", ".htm")):
         raise UserError(f"a page's name must end in .html, not {args.output!r}")
     output = Path(args.output)
@@ -50,7 +50,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def write_scene_page(scene: Scene, output: str, written: WrittenFiles, show: bool, **settings: Any) -> None:
-    """Write the page of `scene`, and report its size and content."""
+    """Write the page of `scene`. Print its size and whether it simulates or plays a recording."""
     from softcradle.sandbox.page import render_page
 
     report = render_page(scene, output, **settings)

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Open the window and run it until it is closed."""
+    """Open the window and wait until the user closes it."""
     import pygame
     from softcradle.sandbox.window.display import require_display
 
@@ -44,7 +44,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _require_scene(wanted: str) -> None:
-    """Raise UserError if a scene or file named `wanted` does not exist. The window reports problems inside a file."""
+    """Raise UserError if there is no scene or file with the name `wanted`. Problems inside a file are reported by the
+    window.
+    """
     from softcradle.sandbox.session.export import is_shared_text
     from softcradle.sandbox.window.app import STANDARD_INPUT
 

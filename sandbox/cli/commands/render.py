@@ -1,4 +1,4 @@
-"""`softcradle render`: write a film, pictures, a kymograph (space-time diagram) or a page of a scene."""
+"""`softcradle render`: write a film, pictures, a kymograph (space-time diagram) or a web page of a scene."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Write the film, the pictures, the kymograph or the page."""
+    """Write the film, the pictures, the kymograph or the page of a scene."""
     scene, written = load_scene(args.scene), WrittenFiles([Path(args.output)])
     if args.output.lower().endswith(".kymograph.png"):
         return _kymograph(scene, args, written)

@@ -1,4 +1,4 @@
-"""`softcradle run`: compute a scene, print the results of each lane as tables or JSON, and write its trajectories."""
+"""`softcradle run`: simulate a scene and write its trajectories. Print the results of each lane as tables or as JSON."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from softcradle.sandbox.trajectory_summary import Summary
     from softcradle.scenes import Scene
 
-MOST_SAMPLES = 1_000_000  # Largest number of samples. A typing error must not fill the memory.
+MOST_SAMPLES = 1_000_000  # Largest number of samples. With this limit, a typing error cannot fill the memory.
 FORMATS = (".npz", ".csv")
 
 
@@ -61,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compute the lanes, write their trajectories and print the results."""
+    """Simulate the lanes, write their trajectories and print the results."""
     check_open(args.open, args.output)
     scene = load_scene(args.scene)
     outputs = [path for wanted in args.output for path in _outputs(wanted, len(scene.lanes))]
@@ -77,7 +77,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _outputs(wanted: str, lanes: int) -> list[Path]:
-    """Return one path for each lane. Raise UserError if `run` does not write this file format."""
+    """Return one output path for each lane. Raise UserError if `run` cannot write this file format."""
     path = Path(wanted)
     if path.suffix not in FORMATS:
         raise UserError(f"cannot write {wanted}: run writes {' or '.join(FORMATS)}")
@@ -85,7 +85,7 @@ def _outputs(wanted: str, lanes: int) -> list[Path]:
 
 
 def _tell(scene: Scene, trajectories: list[Trajectory], args: argparse.Namespace) -> None:
-    """Print the results in words, as JSON or as tables."""
+    """Print the results as sentences, as JSON or as tables."""
     from dataclasses import asdict
 
     from softcradle.physics.trajectory_file import versions
@@ -107,7 +107,7 @@ def _tell(scene: Scene, trajectories: list[Trajectory], args: argparse.Namespace
 
 
 def print_report(scene: Scene, summaries: Sequence[Summary]) -> None:
-    """Print the title and the source of the scene, and the tables of each lane."""
+    """Print the title and the source of the scene, followed by the tables of each lane."""
     output = console()
     output.print(scene.title, style="bold")
     if scene.source:
@@ -122,7 +122,7 @@ def _print_lane(output: Console, summary: Summary) -> None:
     output.print()
     if summary.label:
         output.print(summary.label, style="bold cyan")
-    # `breaks` is the largest number of line breaks in the column titles.
+    # `breaks` is the largest number of line breaks in a column title.
     for found, breaks in ((bead_table(summary), 0), (contact_table(summary), 1)):
         print_rows([title.replace(" ", "\n", breaks) for title in found.titles], found.rows, True, output)
     output.print(_cost(summary))

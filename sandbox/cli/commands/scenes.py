@@ -1,4 +1,4 @@
-"""`softcradle scenes`: list the scenes, or print the file of one of them."""
+"""`softcradle scenes`: print the list of scenes, or the file of one scene."""
 
 import argparse
 import sys
@@ -23,7 +23,7 @@ def main(args: argparse.Namespace) -> int:
     if args.scene is not None:
         from softcradle.scenes import text_of
 
-        scene = load_scene(args.scene)  # Raises UserError if the scene does not exist.
+        scene = load_scene(args.scene)  # This call raises UserError if the scene does not exist.
         _print_file(scene.model_dump_json(indent=2) + "\n" if args.json else text_of(args.scene))
         return 0
     from softcradle.scenes import load, names
@@ -39,7 +39,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _print_file(text: str) -> None:
-    """Print the text of a scene file. The output is UTF-8, the encoding of scene files, unless it goes to a terminal."""
+    """Print the text of a scene file. The output is encoded as UTF-8 like the file. Output to a terminal has the
+    encoding of the terminal.
+    """
     if sys.stdout.isatty() or not hasattr(sys.stdout, "buffer"):
         print(text, end="")
         return

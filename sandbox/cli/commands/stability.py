@@ -1,4 +1,4 @@
-"""`softcradle stability`: map at which time steps each method fails, and how."""
+"""`softcradle stability`: draw maps of the time steps at which each method fails. The maps also show how it fails."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the scans, draw the maps and print the summary."""
+    """Run the scans of time steps, draw the maps and print the summary."""
     from softcradle.sandbox.studies.plot_style import save_figure, styled
     from softcradle.sandbox.studies.stability.failure_scans import SCANS, swept_runs, write_csv
     from softcradle.sandbox.studies.stability.scan_maps import draw_details, draw_overview
@@ -77,7 +77,7 @@ def _print(runs: Sequence[ScanRun]) -> None:
 
 
 def _caution() -> str:
-    """Return a sentence about the energy that a cradle gains or loses with pymunk's own rigid contacts."""
+    """Return a sentence about the energy that a Newton's cradle gains or loses with the rigid contacts of pymunk."""
     from softcradle.sandbox.studies.stability.rigid_cradle import DURATION, STEPS, remaining_energy, strike
 
     energies = ", ".join(f"{remaining_energy(step):.2f} at 1/{1.0 / step:.0f} s" for step in STEPS)

@@ -1,5 +1,5 @@
-"""`softcradle sweep`: compute a study of many points on this machine or with a Dask scheduler. An interrupted study can
-be continued.
+"""`softcradle sweep`: compute a study with many points, on this machine or with a Dask scheduler. An interrupted study
+can be continued later.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from softcradle.sandbox.sweeps.study_file import SweepStudy
 
 MOST_WORKERS = 1024
-REASONS_SHOWN = 3  # Largest number of printed reasons why points lack numbers.
+REASONS_SHOWN = 3  # Largest number of reasons that are printed for points without numbers.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Compute the remaining points of the study and print a summary."""
+    """Compute the points of the study that are still missing, and print a summary."""
     if args.measures:
         from softcradle.sandbox.sweeps.measure_table import MEASURES
 
@@ -65,7 +65,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _tell_status(study: SweepStudy, output: Path) -> int:
-    """Print how many points of the study are computed. Return the exit code, which shows if points are lost."""
+    """Print how many points of the study are computed. Return the exit code, which is not 0 if points are lost."""
     from softcradle.sandbox.sweeps.run_sweep import sweep_status
 
     lost, sentence = sweep_status(study.scene, study.points, study.measures, output, study.title)
@@ -74,7 +74,7 @@ def _tell_status(study: SweepStudy, output: Path) -> int:
 
 
 def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
-    """Compute the study and print a summary. Return the exit code, which shows if points are lost."""
+    """Compute the study and print a summary. Return the exit code, which is not 0 if points are lost."""
     from softcradle.sandbox.sweeps.dataset import lost_points
     from softcradle.sandbox.sweeps.run_sweep import sweep
 
@@ -100,7 +100,9 @@ def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
 
 
 def _print_summary(found: xr.Dataset) -> None:
-    """Print the size of the Dataset, the range of every measure, and the reasons why points lack numbers."""
+    """Print the size of the Dataset, the range of every measured quantity, and the reasons why some points have no
+    numbers.
+    """
     from softcradle.sandbox.sweeps.dataset import reasons_of, summary_rows
 
     output = console()

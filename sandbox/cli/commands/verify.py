@@ -1,10 +1,12 @@
-"""`softcradle verify`: compute numbers that are known from other sources; print source, result and error of each."""
+"""`softcradle verify`: compute numbers that are known from other sources. Print the source, the result and the error of
+each number.
+"""
 
 import argparse
 
 from softcradle.sandbox.console import ProgressShown, print_json, print_rows
 
-DISAGREES = 1  # Exit code if a number is wrong.
+DISAGREES = 1  # Exit code if a computed number is wrong.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

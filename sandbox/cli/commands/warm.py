@@ -1,4 +1,4 @@
-"""`softcradle warm`: compile the kernels of all methods before their first use."""
+"""`softcradle warm`: compile the kernels of all methods before they are used for the first time."""
 
 import argparse
 
