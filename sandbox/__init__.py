@@ -1,5 +1,6 @@
-"""The `softcradle` command, pictures, films and the window. This is the only package that draws."""
+"""The `softcradle` command, pictures, films and the window. Only this package draws."""
 
 import os
 
-os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # Otherwise pygame prints a greeting to standard output.
+# Without this setting, pygame prints a greeting to standard output.
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")

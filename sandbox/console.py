@@ -1,4 +1,6 @@
-"""Console output of the commands: tables that fit the width, and notes and progress that the option --quiet suppresses."""
+"""Console output of the commands. It consists of tables that fit the width of the terminal, notes and progress. The
+option --quiet suppresses notes and progress.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,16 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.table import Table
 
-# Width of the output in a file or a pipe [columns]. The default of rich, 80, is too narrow for the tables.
+# Width of the output in a file or a pipe [columns]. The default value of the package rich, 80, is too narrow for the
+# tables.
 WIDTH_OF_A_PIPE = 120
-MINUTE = 60.0  # A minute [s].
+MINUTE = 60.0  # Duration of a minute [s].
 LINE_AFTER = MINUTE  # Time between two lines of progress in a file [s].
 _state = {"quiet": False}
 
 
 def set_quiet(quiet: bool) -> None:
-    """Suppress progress and notes from now on if `quiet`. Results and warnings are still printed."""
+    """Suppress progress and notes from now on if `quiet` is True. Results and warnings are still printed."""
     _state["quiet"] = quiet
 
 
@@ -32,17 +35,19 @@ def is_quiet() -> bool:
 
 
 def note(text: str) -> None:
-    """Print a line that is not a result, such as the name of a written file."""
+    """Print a line that is not a result, for example the name of a written file."""
     if not is_quiet():
         print(text, flush=True)
 
 
 def console(*, error: bool = False) -> Console:
-    """Return a console that prints text without markup, because labels come from users and may contain brackets."""
+    """Return a console that prints text without interpreting markup, because labels of users may contain brackets."""
     from rich.console import Console
 
     class Told(Console):
-        """Console that raises the error of a closed pipe, like `print` does. `main` turns it into an exit code."""
+        """Console that raises an error if the pipe is closed, like `print` does. `main` converts this error into an
+        exit code.
+        """
 
         def on_broken_pipe(self) -> None:
             raise  # noqa: PLE0704 - it is called where the error is handled
@@ -54,10 +59,11 @@ def console(*, error: bool = False) -> Console:
 
 
 class ProgressShown:
-    """Progress of a command on standard error: on a terminal a bar that disappears, in a file one line per minute.
+    """Progress of a command on standard error. On a terminal, it is a bar that disappears at the end. In a file, it is
+    one line per minute.
 
     Arguments:
-        what: name of the counted items. Studies that report "points" count these items.
+        what: name of the counted items. A study that reports "points" counts these items.
         count: number of items; None if it is reported later.
         shown: True if the progress is printed.
     """
@@ -85,7 +91,9 @@ class ProgressShown:
         if self._bar is not None:
             self._bar.stop()
         if self._lines is not None:
-            self._lines.join()  # A late line of progress must not follow the results of the command.
+            # Wait for the thread that prints progress, because its last line must not follow the results of the
+            # command.
+            self._lines.join()
 
     def tell(self, what: str, done: int, count: int | None = None) -> None:
         """Report that `done` of `count` items are finished."""
@@ -102,11 +110,13 @@ class ProgressShown:
 
     def _write_lines(self) -> None:
         while not self._ended.wait(LINE_AFTER):
-            with suppress(OSError, ValueError):  # The disk may be full, or the stream closed.
+            with suppress(OSError, ValueError):  # The disk may be full, or the stream may be closed.
                 print(f"softcradle: {self.line(monotonic() - self._began)}", file=sys.stderr, flush=True)
 
     def line(self, seconds: float) -> str:
-        """Return a line with the finished items, the rate and the remaining time after `seconds`."""
+        """Return a line with the number of finished items, their rate and the remaining time. `seconds` is the elapsed
+        time.
+        """
         of = "" if self._count is None else f" of {self._count}"
         rate = (self._done - self._before) / max(seconds, 1e-9)
         told = f"{self._what}: {self._done}{of}, after {_duration(seconds)}"
@@ -129,7 +139,7 @@ def _duration(seconds: float) -> str:
 
 
 def table(*columns: str, numbers: bool = False) -> Table:
-    """Return an empty table. With `numbers`, all columns after the first are aligned to the right."""
+    """Return an empty table. If `numbers` is True, all columns after the first are aligned to the right."""
     from rich import box
     from rich.table import Table
 
@@ -142,7 +152,7 @@ def table(*columns: str, numbers: bool = False) -> Table:
 def print_rows(
     titles: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = False, output: Console | None = None
 ) -> None:
-    """Print rows of text below their titles, see `table` and `print_table`."""
+    """Print rows of text below the column titles. See `table` and `print_table`."""
     grid = table(*titles, numbers=numbers)
     for row in rows:
         grid.add_row(*row)
@@ -150,7 +160,7 @@ def print_rows(
 
 
 def print_json(content: object) -> None:
-    """Print `content` as JSON, see `readable_json`."""
+    """Print `content` as JSON. See `readable_json`."""
     from softcradle.sandbox.files import readable_json
 
     print(readable_json(content))
@@ -159,12 +169,13 @@ def print_json(content: object) -> None:
 def print_table(output: Console, grid: Table) -> None:
     """Print a table without breaking its numbers.
 
-    If it is too wide for a terminal, print each row as a record of several lines. In a pipe, print the full width.
+    If the table is too wide for a terminal, print each row as a record of several lines. If the output goes to a pipe,
+    print the table in its full width.
     """
     from rich.measure import Measurement
 
     numbers = grid.columns[-1].justify == "right"
-    for column in grid.columns if numbers else ():  # Labels and numbers must not be broken.
+    for column in grid.columns if numbers else ():  # Labels and numbers must not be broken into several lines.
         lines = [line for cell in column.cells for line in str(cell).splitlines()]
         column.min_width = max(map(len, lines), default=0)
     needed = Measurement.get(output, output.options.update(max_width=10_000), grid).minimum
@@ -177,14 +188,16 @@ def print_table(output: Console, grid: Table) -> None:
 
 
 def _is_whole(output: Console, grid: Table) -> bool:
-    """Return True if every word of the table is printed unbroken. A column may need more width than rich measures."""
+    """Return True if no word of the table is broken when it is printed. A column may need more width than rich has
+    measured.
+    """
     text = "\n".join("".join(segment.text for segment in line) for line in output.render_lines(grid))
     words = [word for column in grid.columns for cell in (column.header, *column.cells) for word in str(cell).split()]
     return all(word in text for word in words)
 
 
 def _print_records(output: Console, grid: Table) -> None:
-    """Print each row as lines of title and value below its first cell."""
+    """Print each row as a record. The first cell is followed by one line with title and value for each other cell."""
     titles = [" ".join(str(column.header).split()) for column in grid.columns]
     for row in zip(*(column.cells for column in grid.columns), strict=True):
         output.print(f"{titles[0]} {row[0]}".strip(), style="bold")

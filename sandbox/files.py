@@ -1,4 +1,6 @@
-"""Files: assets of the package, and output files that are written completely or not at all. Errors become UserErrors."""
+"""Files of the program: assets of the package, and output files. An output file is written either completely or not at
+all. Errors become UserErrors.
+"""
 
 import json
 import os
@@ -15,14 +17,16 @@ _PACKAGE = Path(__file__).parent
 
 
 def output_file(path: Name) -> AbstractContextManager[Path]:
-    """Yield a temporary path with the same suffix, which is moved to `path` at the end. Raise UserError at once if it
-    cannot be written.
+    """Yield a temporary path with the suffix of `path`. At the end, the temporary file is moved to `path`. Raise
+    UserError at once if `path` cannot be written.
     """
     return _user_errors(atomic_files.output_file(path), path)
 
 
 def output_folder(path: Name) -> AbstractContextManager[Path]:
-    """Yield a temporary folder, which is moved to `path` at the end. Raise UserError at once if it cannot be written."""
+    """Yield a temporary folder. At the end, the folder is moved to `path`. Raise UserError at once if `path` cannot be
+    written.
+    """
     return _user_errors(atomic_files.output_folder(path), path)
 
 
@@ -31,7 +35,8 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
     try:
         with opened as temporary:
             yield temporary
-    except OSError as error:  # raised when the file is opened, or when the disk fills up during writing
+    # This error is raised when the file is opened, or when the disk becomes full during writing.
+    except OSError as error:
         if error.errno is None:
             raise UserError(str(error)) from error
         raise UserError(_("cannot write {path}: {reason}", path=path, reason=reason(error))) from error
@@ -39,7 +44,7 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
 
 @contextmanager
 def filled_folder(path: Name) -> Iterator[Path]:
-    """Yield the folder `path`. Create it if it does not exist, and remove a new folder at the end if it is empty.
+    """Yield the folder `path`. Create the folder if it does not exist. If a new folder is empty at the end, remove it.
 
     Raise UserError if the folder cannot be created.
     """
@@ -55,12 +60,14 @@ def filled_folder(path: Name) -> Iterator[Path]:
         yield folder
     finally:
         if is_new:
-            with suppress(OSError):  # A folder with content cannot be removed.
+            with suppress(OSError):  # A folder that is not empty cannot be removed.
                 folder.rmdir()
 
 
 def readable_json(content: object) -> str:
-    """Return `content` as indented JSON. NaN and infinity must be replaced by None before; otherwise raise ValueError."""
+    """Return `content` as indented JSON. Raise ValueError if it contains NaN or infinity, which callers must replace by
+    None.
+    """
     return json.dumps(content, indent=2, allow_nan=False)
 
 

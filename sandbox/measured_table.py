@@ -1,8 +1,9 @@
-"""Reader for tables of measurements as other programs export them. It finds the quantity and unit of each column, or
-reports line and column of the problem.
+"""Reader for tables of measurements that other programs have exported. It finds the quantity and the unit of each
+column. If it finds a problem, it reports the line and the column of the problem.
 
-It accepts tables of numbers with one line of names above them, as Tracker, phyphox, Qualisys, Logger Pro, Capstone,
-spreadsheets and pandas write them. The quantity follows from the name and the unit of a column, never from its numbers.
+A table consists of numbers with one line of names above them. Tracker, phyphox, Qualisys, Logger Pro, Capstone,
+spreadsheets and pandas write such tables. The quantity of a column follows from its name and its unit, never from its
+numbers.
 
 Tests: tests/sandbox/test_measured_table.py
 """
@@ -33,7 +34,7 @@ TIME, POSITION, VELOCITY, ACCELERATION, FORCE, ENERGY, MOMENTUM, MASS = (
     "momentum",
     "mass",
 )
-# Names of the quantities in messages.
+# Names of the quantities in error messages.
 QUANTITY_NAMES = {
     TIME: N_("time"),
     POSITION: N_("position"),
@@ -44,18 +45,18 @@ QUANTITY_NAMES = {
     MOMENTUM: N_("momentum"),
     MASS: N_("mass"),
 }
-# Characters that separate the cells of a line. If several fit a file equally well, the first one is used.
-DELIMITERS = ("\t", ";", ",", None)  # None stands for blanks.
-# Lower-case texts of cells without a value, as written by pandas, NumPy, R, Excel (English, German, French) and by
-# hand.
+# Characters that separate the cells of a line. If several characters fit a file equally well, the first one is used.
+DELIMITERS = ("\t", ";", ",", None)  # None means blanks.
+# Texts that stand for a missing value, in lower case. pandas, NumPy, R and Excel (English, German, French) write them,
+# and people write them by hand.
 MISSING = frozenset(
     ("", "nan", "na", "n/a", "#n/a", "#na", "#nv", "null", "none", "-", "--", "—", "#div/0!", "#value!")
 )
-# Names of columns that count rows or frames.
+# Names of columns that contain the numbers of rows or frames.
 COUNTERS = ("frame", "#", "index", "row", "sample", "bild", "nr", "n")
-# Smallest number of lines with numbers in a table.
+# Smallest number of lines with numbers that a table must have.
 FEWEST_ROWS = 2
-# Factor from each unit to the SI unit of its quantity.
+# Quantity of each unit, and the factor from the unit to the SI unit of the quantity.
 UNITS: dict[str, tuple[str, float]] = {
     "s": (TIME, 1.0),
     "sec": (TIME, 1.0),
@@ -90,10 +91,11 @@ UNITS: dict[str, tuple[str, float]] = {
     "kgm/s": (MOMENTUM, 1.0),
     "kg": (MASS, 1.0),
 }
-# Units in which the case of a letter matters. UNITS contains another meaning of the same letters in lower case.
+# Units that need a capital letter. UNITS contains another unit with the same letters in lower case.
 EXACT_UNITS = {"MN": (FORCE, 1e6), "MJ": (ENERGY, 1e6)}
 SUPERSCRIPTS = str.maketrans({"²": "2", "³": "3", "⁻": "-", "¹": "1", "·": "", "*": "", "^": "", "µ": "u", "μ": "u"})
-# Words and symbols of each quantity, in English, German and French. A symbol can have an index: v0, v_x, v_{x}, vx.
+# Words and symbols of each quantity, in English, German and French. A symbol can have an index, for example v0, v_x,
+# v_{x} or vx.
 WORDS = {
     TIME: ("time", "zeit", "temps", "sekunden", "seconds"),
     POSITION: ("position", "ort", "weg", "strecke", "place", "abscisse", "displacement", "distance"),
@@ -106,13 +108,15 @@ WORDS = {
 SYMBOLS = {"t": TIME, "x": POSITION, "y": POSITION, "z": POSITION, "v": VELOCITY, "a": ACCELERATION, "f": FORCE}
 SYMBOL = re.compile(r"([a-z])[ _]*(?:\{([^}]*)\}|\(([a-z\d]+)\)|([xyz]?\d*|\d+-\d+))")
 AXIS = re.compile(r"(?:^|[\s_{(])([xyz])(?:[\s_})]|$)")
-# Names of amounts without a direction. They are not velocities or accelerations along the row.
+# Names of quantities without a direction. Such columns are not velocities or accelerations along the chain.
 ABSOLUTE = re.compile(r"\bspeed\b|\babsolute?\b|\babsolut\w*\b|^\|.*\|$|\bmagnitude\b|\btempo\b|\bbetrag\b")
 UNIT_IN_NAME = re.compile(r"^(.*?)\s*(?:\(([^()]+)\)|\[([^\[\]]+)\]|\s/\s*(\S+)|\bin\s+(\S+))((?:\s.*)?)$")
 
 
 class Header(NamedTuple):
-    """Meaning of a column: name, quantity ("" if it is unknown), axis, factor to SI units, and unit in the file."""
+    """Meaning of a column. It consists of the name, the quantity, the axis, the factor to SI units, and the unit in the
+    file. The quantity is "" if it is unknown.
+    """
 
     name: str
     quantity: str
@@ -123,13 +127,13 @@ class Header(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """Measured quantity over time.
+    """Measured quantity as a function of time.
 
     Attributes:
         name: name in the file, without its unit.
         quantity: "position", "velocity", "acceleration", "force", "energy", "momentum" or "mass"; "" if unknown.
         axis: "x", "y" or "z" if the name contains it, else "".
-        unit: unit in the file; "" if it has none, and the values are then taken to be in SI units.
+        unit: unit in the file; "" if the file contains no unit. The values are then assumed to be in SI units.
         values: (T,) in SI units; NaN if a cell is empty.
     """
 
@@ -155,18 +159,20 @@ class MeasuredTable:
     columns: tuple[Column, ...]
 
     def along_row(self, quantity: str) -> tuple[Column, ...]:
-        """Return the columns of a quantity along the row of beads: those of the x axis or without an axis."""
+        """Return the columns of a quantity along the chain of beads. They are the columns for the x axis and the
+        columns without an axis.
+        """
         return tuple(one for one in self.columns if one.quantity == quantity and one.axis in ("", "x"))
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The known quantities of the columns, each once."""
+        """The known quantities of the columns, without repetitions."""
         return tuple(dict.fromkeys(one.quantity for one in self.columns if one.quantity))
 
 
 def read_table(path: str | Path) -> MeasuredTable:
-    """Read a table of measurements. Raise UserError with line, column and remedy if the meaning of the table is
-    unclear.
+    """Read a table of measurements. If the meaning of the table is unclear, raise UserError. Its message contains the
+    line, the column and a remedy.
     """
     path = Path(path)
     lines = re.split(r"\r\n|\r|\n", _text(path))
@@ -176,7 +182,7 @@ def read_table(path: str | Path) -> MeasuredTable:
     at = np.array([line for line, _row in layout.rows])
     timed, time = _time(path, headers, numbers, lines, layout)
     present = np.isfinite(np.delete(numbers, timed, axis=1) if timed is not None else numbers).any(axis=1)
-    kept = np.isfinite(time) | present  # a row without any number is a blank line
+    kept = np.isfinite(time) | present  # A row without any number is a blank line in the file.
     time, at, numbers = time[kept], at[kept], numbers[kept]
     name = headers[timed].name if timed is not None else "time"
     column = 1 if timed is None else timed + 1
@@ -199,14 +205,14 @@ def read_table(path: str | Path) -> MeasuredTable:
 
 
 def _wrong(path: Path, line: int, column: int, problem: str) -> UserError:
-    """Return the error for a problem at a place of the file, both counted from 1."""
+    """Return the error for a problem at a position in the file. Lines and columns are counted from 1."""
     return UserError(
         _("{path}, line {line}, column {column}: {problem}", path=path, line=line, column=column, problem=problem)
     )
 
 
 def _text(path: Path) -> str:
-    """Return the text of a file in UTF-8, UTF-16 or Windows-1252."""
+    """Return the text of a file. The encoding can be UTF-8, UTF-16 or Windows-1252."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -228,8 +234,8 @@ def _text(path: Path) -> str:
 class Layout(NamedTuple):
     """Format of a file.
 
-    It consists of the delimiter, the decimal mark, the number of the line with the names (from 1), the cells of that
-    line, and the rows of numbers.
+    It consists of the delimiter, the decimal mark, the number of the line with the names, the cells of this line, and
+    the rows of numbers. Lines are counted from 1.
     """
 
     delimiter: str | None
@@ -240,10 +246,10 @@ class Layout(NamedTuple):
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:
-    """Return the cells of a line, without the blanks around them."""
+    """Return the cells of a line. Blanks around the cells are removed."""
     if delimiter is None:
-        return re.split(r"\s+(?![(\[])", line.strip())  # A unit in brackets belongs to the name before it.
-    # If a quote is not closed, the line is split plainly, and the cell is not a number.
+        return re.split(r"\s+(?![(\[])", line.strip())  # A unit in brackets belongs to the name in front of it.
+    # If a quotation mark is not closed, the line is split at every delimiter. The cell is then not a number.
     with contextlib.suppress(csv.Error):
         return [
             cell.strip()
@@ -253,7 +259,7 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
 
 
 def _value(cell: str, mark: str) -> float | None:
-    """Return the number in a cell, NaN if the cell is empty, or None if the content is not a finite number."""
+    """Return the number in a cell. Return NaN if the cell is empty, and None if it does not contain a finite number."""
     if cell.lower() in MISSING:
         return math.nan
     text = cell.replace("\u2212", "-")
@@ -269,8 +275,9 @@ def _value(cell: str, mark: str) -> float | None:
 
 
 def _numeric(cells: Sequence[str], mark: str) -> bool:
-    """Return True if a line looks like data: at least two cells, all numeric or empty, and the first cell or any two of
-    them numeric.
+    """Return True if a line looks like a line of data.
+
+    It has at least two cells, and all its cells are numeric or empty. The first cell or any two cells are numeric.
     """
     if len(cells) < 2:
         return False
@@ -281,7 +288,7 @@ def _numeric(cells: Sequence[str], mark: str) -> bool:
 
 
 def _layout(path: Path, lines: list[str]) -> Layout:
-    """Find the format of the file: the delimiter and the decimal mark with which most lines are numeric."""
+    """Return the format of the file. The delimiter and the decimal mark are chosen to make most lines numeric."""
     best: tuple[int, str | None, str] = (0, None, ".")
     for delimiter in DELIMITERS:
         for mark in ".", ",":
@@ -328,7 +335,9 @@ def _row(path: Path, line: int, cells: list[str], mark: str, names: list[str]) -
 
 
 def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
-    """Return the meaning of each column, from the line of names and, if present, a line of units below it."""
+    """Return the meaning of each column. It follows from the line of names. If a line of units follows, it is used as
+    well.
+    """
     width = len(layout.rows[0][1])
     markers = _qualisys_markers(lines)
     if markers and 3 * len(markers) == width:
@@ -360,7 +369,7 @@ def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
     owners = _owners(lines, layout, len(names))
     headers = [header_of(path, line, k + 1, name) for k, name in enumerate(names)]
     _require_units(path, line, headers)
-    # In files of Tracker, v and a are amounts; v_{x} and a_{x} are components.
+    # In files of the program Tracker, v and a are absolute values, while v_{x} and a_{x} are components.
     if owners and headers[0].quantity == TIME:
         headers = [one._replace(quantity="") if one.name in ("v", "a") else one for one in headers]
     return [
@@ -384,7 +393,9 @@ def _require_units(path: Path, line: int, headers: list[Header]) -> None:
 
 
 def _owners(lines: list[str], layout: Layout, width: int) -> dict[int, str]:
-    """Return the names of the tracked objects by column. Tracker writes them in the line above the names."""
+    """Return the names of the tracked objects by column. The program Tracker writes them in the line above the column
+    names.
+    """
     line = layout.names_line - 1
     if line < 1:
         return {}
@@ -402,8 +413,8 @@ def _owners(lines: list[str], layout: Layout, width: int) -> dict[int, str]:
 
 
 def header_of(path: Path, line: int, column: int, text: str) -> Header:
-    """Return the meaning of a name such as ``Velocity (m/s)``. Raise UserError if its unit is unknown or contradicts
-    the name.
+    """Return the meaning of a column name such as ``Velocity (m/s)``. Raise UserError if its unit is unknown or does
+    not match its name.
     """
     match = UNIT_IN_NAME.match(text)
     unit = next(filter(None, match.groups()[1:5]), "").strip() if match else ""
@@ -437,7 +448,7 @@ def header_of(path: Path, line: int, column: int, text: str) -> Header:
 
 
 def _unit(text: str) -> tuple[str, float] | None:
-    """Return the quantity and the factor to SI units of a unit, or None if it is unknown."""
+    """Return the quantity that a unit measures, and the factor to SI units. Return None if the unit is unknown."""
     plain = text.translate(SUPERSCRIPTS).replace(" ", "").strip("()[]")
     plain = re.sub(r"s-(\d)$", lambda found: "/s" if found[1] == "1" else f"/s{found[1]}", plain)
     plain = plain.replace("/s/s", "/s2")
@@ -445,7 +456,7 @@ def _unit(text: str) -> tuple[str, float] | None:
 
 
 def quantity_of(name: str) -> tuple[str, str]:
-    """Return the quantity and the axis of a name without a unit; "" for what the name does not contain."""
+    """Return the quantity and the axis that a name without a unit contains. A missing quantity or axis is ""."""
     plain = name.strip().lower()
     axis = next((found[1] for found in [AXIS.search(plain)] if found), "")
     if ABSOLUTE.search(plain):
@@ -462,15 +473,15 @@ def quantity_of(name: str) -> tuple[str, str]:
 
 
 def _counts(header: Header) -> bool:
-    """Return True if the column counts frames or rows."""
+    """Return True if the column contains the numbers of frames or rows."""
     return not header.quantity and header.name.lower() in ("", "unnamed: 0", *COUNTERS)
 
 
 def _time(
     path: Path, headers: list[Header], numbers: Array, lines: list[str], layout: Layout
 ) -> tuple[int | None, Array]:
-    """Return the column of the time (or None) and the times [s]. Raise UserError if there is not exactly one such
-    column.
+    """Return the number of the time column (or None) and the times [s]. Raise UserError if the time is missing or not
+    unique.
     """
     timed = [k for k, header in enumerate(headers) if header.quantity == TIME]
     if len(timed) > 1:
@@ -486,7 +497,7 @@ def _time(
 
 
 def _tagged(lines: list[str]) -> Iterator[list[str]]:
-    """Yield the header lines of a Qualisys file, split into cells."""
+    """Yield the lines in the header of a Qualisys file, split into cells."""
     if lines[0].startswith(("FILE_VERSION", "NO_OF_FRAMES")):
         for line in lines:
             if not re.match(r"[A-Z_]+\t", line):
@@ -495,7 +506,7 @@ def _tagged(lines: list[str]) -> Iterator[list[str]]:
 
 
 def _qualisys_markers(lines: list[str]) -> list[str]:
-    """Return the names of the markers in the header of a Qualisys file, whose positions are in mm."""
+    """Return the names of the markers in the header of a Qualisys file. The positions of the markers are in mm."""
     return next(
         (
             [name.strip() for name in cells[1:] if name.strip()]
@@ -507,7 +518,9 @@ def _qualisys_markers(lines: list[str]) -> list[str]:
 
 
 def _qualisys_rate(lines: list[str]) -> float | None:
-    """Return the frames per second in the header of a Qualisys file, or None."""
+    """Return the number of frames per second in the header of a Qualisys file. Return None if the header does not
+    contain it.
+    """
     for cells in _tagged(lines):
         if cells[0] == "FREQUENCY":
             try:

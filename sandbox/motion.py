@@ -1,4 +1,6 @@
-"""Motion of one chain as arrays with one row per time. Drawing, live plots and the export of a session use it."""
+"""Motion of one chain as arrays with one row for each time. Drawings, live plots and the export of a session use these
+arrays.
+"""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,11 +20,12 @@ class Motion:
     Attributes:
         chain: the chain.
         time: (T,) ascending times [s].
-        overlap, rate, force: (T, n) overlaps [m], their rates [m/s] and the contact forces [N].
+        overlap, rate, force: (T, n) overlaps [m], rates of the overlaps [m/s] and contact forces [N].
         anchor: (T, 2) position [m] and velocity [m/s] of the bead ``chain.anchor``.
-        absorbed: (T,) energy [J] that contacts with loss and the bed have absorbed; empty for a chain without either.
+        absorbed: (T,) energy [J] absorbed so far by contacts with loss and by the bed. It is empty if the chain has
+            neither.
         balance: (T, 2) energy [J] and momentum [N s] that are conserved in theory. Their changes are the errors of the
-            method. Empty for a motion that still runs.
+            method. It is empty for a motion that is still being computed.
         method: name of the method, for a label.
     """
 
@@ -38,11 +41,13 @@ class Motion:
 
     @cached_property
     def position(self) -> Array:
-        """The (T, n+1) positions [m] without the lengths of the beads: beads that just touch have the same position."""
+        """The (T, n+1) positions [m] of the beads, not counting the lengths of beads. Two beads that just touch have
+        the same position.
+        """
         return from_anchor(self.overlap, self.anchor[:, 0], self.chain.anchor)
 
     def middles(self, length: float) -> Array:
-        """Return the (T, n+1) positions [m] of the centres of the beads, each of which is `length` [m] long."""
+        """Return the (T, n+1) positions [m] of the centres of the beads. Each bead is `length` [m] long."""
         return self.position + length * (np.arange(self.chain.contacts + 1) + 0.5)
 
     @cached_property
@@ -52,41 +57,41 @@ class Motion:
 
     @cached_property
     def kinetic(self) -> Array:
-        """The (T, n+1) kinetic energies of the beads [J]; 0 for a wall."""
+        """The (T, n+1) kinetic energies of the beads [J]. The kinetic energy of a wall is 0."""
         return 0.5 * self.chain.finite_mass * self.velocity**2
 
     @cached_property
     def stored(self) -> Array:
-        """The (T,) energy stored in all contacts, and in the strings of a cradle [J]."""
+        """The (T,) energy [J] stored in all contacts and in the strings of a cradle."""
         energy: Array = self.chain.stored_energy(self.overlap, force=self.force).sum(axis=1)
         return energy + hanging_energy(self.chain, self.overlap, self.anchor[:, 0]) if self.chain.swing else energy
 
     @cached_property
     def displacement(self) -> Array:
-        """The (T, n+1) displacements [m] of beads on strings from their places of rest."""
+        """The (T, n+1) displacements [m] of beads on strings from their positions at rest."""
         return displacement(self.chain, self.overlap, self.anchor[:, 0])
 
     @cached_property
     def momentum(self) -> Array:
-        """The (T, n+1) momenta of the beads [N s]; 0 for a wall."""
+        """The (T, n+1) momenta of the beads [N s]. The momentum of a wall is 0."""
         return self.chain.finite_mass * self.velocity
 
     @cached_property
     def energy(self) -> Array:
-        """The (T,) kinetic and stored energy of the chain [J]."""
+        """The (T,) sum of the kinetic and the stored energy of the chain [J]."""
         energy: Array = self.kinetic.sum(axis=1) + self.stored
         return energy
 
     @cached_property
     def energy_error(self) -> Array:
-        """The (T,) largest change of the balanced energy so far, relative to the largest kinetic energy; NaN if it is
-        not known.
+        """The (T,) largest change of the conserved energy so far, relative to the largest kinetic energy. It is NaN if
+        the conserved energy is not known.
         """
         return _worst_so_far(self.balance[:, 0], self.kinetic.sum(axis=1).max())
 
     @cached_property
     def momentum_error(self) -> Array:
-        """The (T,) largest change of the balanced momentum so far, relative to the largest sum of abs(m v)."""
+        """The (T,) largest change of the conserved momentum so far, relative to the largest sum of abs(m v)."""
         return _worst_so_far(self.balance[:, 1], np.abs(self.momentum).sum(axis=1).max())
 
 

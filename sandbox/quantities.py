@@ -1,5 +1,5 @@
-"""Table of the quantities of a motion with name, unit, symbol, owner and values, for plots, pictures, tables and
-notebooks.
+"""Table of the quantities of a motion. It contains the name, unit, symbol, owner and values of each quantity. Plots,
+pictures, tables and notebooks use this table.
 """
 
 from collections.abc import Callable
@@ -13,14 +13,15 @@ BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
 
 
 class Quantity(NamedTuple):
-    """Quantity of every bead, of every contact, or of the chain.
+    """Quantity of a motion. It belongs to every bead, to every contact, or to the chain.
 
     Attributes:
         title: name and unit, as on an axis; marked for translation.
         column: short name and unit, as above a narrow column; marked for translation in the context "column".
-        symbol: symbol, which an index may follow.
+        symbol: symbol of the quantity, to which an index can be added.
         owner: 'bead', 'contact' or 'chain'.
-        values: function that returns the (T, k) values of a motion whose beads have the given length [m].
+        values: function that returns the (T, k) values of a motion. Its arguments are the motion and the length of a
+            bead [m].
     """
 
     title: str
@@ -31,17 +32,17 @@ class Quantity(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The title without the unit."""
+        """The title of the quantity without the unit."""
         return self.title.rpartition(" (")[0]
 
     @property
     def unit(self) -> str:
-        """The unit in the title."""
+        """The unit that the title contains."""
         return self.title.rpartition(" (")[2].removesuffix(")")
 
     @property
     def label(self) -> str:
-        """Name and unit in the style of the paper's figures."""
+        """Name and unit of the quantity in the style of the paper's figures."""
         return f"{self.name} [{self.unit}]"
 
 
@@ -64,7 +65,7 @@ STORED = Quantity(
     N_("stored energy (J)"), NP_("column", "stored energy (J)"), "S", CHAIN, lambda motion, _: motion.stored[:, None]
 )
 
-# Quantities by the letter that a user types.
+# Quantities by the letter that a user types to choose them.
 QUANTITIES: dict[str, Quantity] = {
     "t": TIME,
     "x": POSITION,

@@ -1,4 +1,4 @@
-"""Loading of a scene by its name, and simulation of its lanes. Errors become UserErrors."""
+"""Loading of a scene by its name, and simulation of the lanes of a scene. Errors become UserErrors."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 from softcradle.sandbox.user_error import UserError
 
-# Methods of runs for which neither the scene nor the user has chosen one. `simulate` itself, and so every study, uses
-# "accurate".
-KEEPING = "conserving"  # for runs that must conserve energy and momentum at any time step
-SHOWN = KEEPING  # for runs that are shown live or in a film; its kernel compiles in seconds
-TOLD = "accurate"  # for runs that measure the error of other runs
+# Default methods of simulations if neither the scene nor the user has chosen a method. The default method of
+# `simulate`, and of every study, is "accurate".
+KEEPING = "conserving"  # for simulations that must conserve energy and momentum with any time step
+SHOWN = KEEPING  # for simulations that are shown live or in a film; its kernel is compiled in a few seconds
+TOLD = "accurate"  # for simulations that measure the errors of other simulations
 
 if TYPE_CHECKING:
     from softcradle.physics import Trajectory
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def load_scene(name_or_path: str) -> Scene:
-    """Return the scene with this name or in this file. Raise UserError with its problems."""
+    """Return the scene with this name, or the scene in the file with this path. Raise UserError if loading fails."""
     from softcradle.scenes import SceneError, load
 
     try:
@@ -30,8 +30,9 @@ def load_scene(name_or_path: str) -> Scene:
 def run_scene(scene: Scene, most: int | None = None, **overrides: Any) -> list[Trajectory]:
     """Simulate every lane of `scene` and return the trajectories.
 
-    `overrides` are keywords of `physics.simulate`; None keeps the value of the scene. A lane gives up after `most`
-    divided by the number of contacts steps.
+    `overrides` are keywords of `physics.simulate`. A keyword with the value None keeps the value of the scene. `most`
+    limits the computing time: a lane gives up when its number of steps exceeds `most` divided by its number of
+    contacts.
 
     Raises:
         UserError: the method does not accept the settings.
@@ -46,7 +47,8 @@ def run_scene(scene: Scene, most: int | None = None, **overrides: Any) -> list[T
 
 
 def _run_lane(lane: Lane, settings: dict[str, Any], most: int | None) -> Trajectory:
-    from softcradle.physics.simulation import solve  # This does not emit warnings; callers print trajectory.warnings.
+    # The function `solve` does not emit warnings. Callers print `trajectory.warnings`.
+    from softcradle.physics.simulation import solve
 
     try:
         chain = lane.chain()

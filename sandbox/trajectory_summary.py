@@ -1,4 +1,4 @@
-"""Summary of a trajectory as numbers, for tables and JSON."""
+"""Summary of a trajectory as numbers. Tables and JSON files contain it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from softcradle.physics import Trajectory
 
 
-PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # Metric prefixes, the largest first.
+PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))  # Metric prefixes with their sizes, from the largest to the smallest.
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class BeadSummary:
 
     Attributes:
         mass: mass [kg]; None for a wall.
-        start_velocity: velocity at the start [m/s]; None if the samples begin later.
-        final_velocity: velocity at the end [m/s]; None if the motion did not stay finite.
+        start_velocity: velocity at the start [m/s]; None if the first sample is after the start.
+        final_velocity: velocity at the end [m/s]; None if the velocity is infinite or NaN.
         velocity_error: estimated error of the final velocity [m/s]; None if the method does not estimate it (fixed
             steps).
     """
@@ -42,12 +42,13 @@ class ContactSummary:
     """Results of one contact.
 
     Attributes:
-        closed, opened: times of the first closing and the last opening [s]; None if there was none.
+        closed, opened: times of the first closing and the last opening [s]; None if the event did not happen.
         times: number of closings.
         still_closed: True if the contact is closed at the end.
-        largest_overlap, largest_force: largest sampled overlap [m] and force [N]. None if the motion did not stay
-            finite, or if the contact closed and opened between two samples.
-        largest_pull: largest pulling force of a coupler [N]; 0 for other contacts, None in the same cases.
+        largest_overlap, largest_force: largest sampled overlap [m] and force [N]. None if the numbers of the motion
+            became infinite or NaN. None also if the contact closed and opened between two samples.
+        largest_pull: largest pulling force of a coupler [N]; 0 for other contacts. None in the same cases as
+            `largest_force`.
     """
 
     closed: float | None
@@ -68,22 +69,24 @@ class Summary:
         beads, contacts: results from left to right.
         end: time of the last sample [s].
         velocity_error: largest estimated error of a velocity [m/s]; None if the method does not estimate errors.
-        energy_error: largest change of the energy balance (:attr:`Trajectory.ledger`) relative to the energy at the
-            start. In a driven motion (drive, forces, moving walls, pointer or edits) it is relative to the largest
-            energy. None if that energy is 0 or the balance is not known.
-        energy_error_at_end: the same at the end. Errors of explicit methods are largest during the collision.
-        momentum_error: largest unexplained change of the momentum, relative to the sum of abs(m v) at the start, or to
-            the largest such sum in a driven motion. None if that sum is 0, or if a wall or the bed exchanges momentum.
+        energy_error: largest change of the energy balance (:attr:`Trajectory.ledger`), relative to the energy at the
+            start. In a driven motion (drive, forces, moving walls, pointer or edits), it is relative to the largest
+            energy. None if this energy is 0 or the balance is not known.
+        energy_error_at_end: the energy error at the end. Errors of explicit methods are largest during the collision.
+        momentum_error: largest unexplained change of the momentum, relative to the sum of abs(m v) at the start. In a
+            driven motion, it is relative to the largest such sum. None if the sum is 0, or if a wall or the bed
+            exchanges momentum.
         absorbed_by_contacts, absorbed_by_bed: energy [J] that contacts with loss and bed friction absorbed until the
-            end; None if the motion did not stay finite.
+            end. None if the numbers of the motion became infinite or NaN.
         method: name of the method.
         step: time step [s]; 0 if the method chooses its steps.
-        tolerance: tolerance; 0 if the step is fixed.
-        steps, evaluations, milliseconds: cost of the run.
+        tolerance: tolerance; 0 if the time step is fixed.
+        steps, evaluations, milliseconds: number of time steps, number of force evaluations, and computing time.
         warnings: sentences about possible errors of the results.
-        status: end of the run, a name of :class:`softcradle.physics.Status` in lower case.
-        choice: method that "auto" chose, with the reason; "" if the method was given.
-        gave_up: True if the run stopped before its end. Then the final velocities are those at the time it reached.
+        status: reason for the end of the simulation, a name of :class:`softcradle.physics.Status` in lower case.
+        choice: method that "auto" chose, with the reason; "" if the user has chosen the method.
+        gave_up: True if the simulation stopped before its end. The final velocities are then the velocities at the time
+            at which it stopped.
     """
 
     label: str
@@ -110,8 +113,8 @@ class Summary:
 
 @dataclass(frozen=True)
 class ResultTable:
-    """Table of results: titles with units, rows of texts, and hints about the rows. Terminal, page and notebook show it
-    in their own ways.
+    """Table of results. It consists of titles with units, rows of texts, and hints about the rows. Terminal, page and
+    notebook display it in different ways.
     """
 
     titles: tuple[str, ...]
@@ -135,7 +138,7 @@ def bead_table(summary: Summary) -> ResultTable:
 
 
 def mass_text(mass: float | None) -> str:
-    """Return the text of a mass [kg] in a table; None and inf mean a wall."""
+    """Return the text of a mass [kg] in a table. None and infinity mean a wall."""
     return _("wall") if mass is None or mass == math.inf else plain(mass, 6)
 
 
@@ -163,17 +166,19 @@ def contact_table(summary: Summary) -> ResultTable:
 
 
 def unit_prefix(largest: float) -> tuple[float, str]:
-    """Return (size, prefix) of the metric prefix that suits numbers up to `largest`: (1000, "k") from 1000 on."""
+    """Return (size, prefix) of the metric prefix for numbers up to `largest`. For example, it is (1000, "k") from 1000
+    on.
+    """
     return next((size, name) for size, name in PREFIXES if size == 1.0 or largest >= size)
 
 
 def in_unit(value: float | None, size: float) -> str:
-    """Return `value` with six digits in a unit of this `size`; a dash if it is not known."""
+    """Return `value` with six digits, in a unit of this `size`. Return a dash if the value is not known."""
     return "-" if value is None else signed(f"{value / size:.6g}")
 
 
 def _speed(velocity: float | None) -> str:
-    """Return a velocity with eight decimals, or with eight significant digits if it is very small or very large."""
+    """Return a velocity with eight decimals. Very small and very large velocities have eight significant digits."""
     if velocity is None:
         return "-"
     fits = velocity == 0.0 or 1e-4 <= abs(velocity) < 1e6
@@ -186,10 +191,12 @@ def _time(time: float | None) -> str:
     return signed(f"{time:.6f}" if time == 0.0 or 1e-3 <= time < 1e6 else f"{time:.6g}")
 
 
-# Values that are not finite become None, and `trajectory.warnings` contain the cause.
+# Values that are not finite become None. `trajectory.warnings` contains the cause.
 @np.errstate(over="ignore", invalid="ignore")
 def summarise(label: str, trajectory: Trajectory) -> Summary:
-    """Return the summary of the `trajectory` of a lane. Its peak values are those of the samples, so use fine samples."""
+    """Return the summary of the `trajectory` of a lane. Its peak values are the largest samples, so the samples must be
+    fine.
+    """
     energy = trajectory.ledger
     change = np.abs(energy - energy[0])
     whole = energy + trajectory.driven + trajectory.by_walls
@@ -254,7 +261,9 @@ def _momentum_error(trajectory: Trajectory) -> float | None:
 
 
 def _is_driven(trajectory: Trajectory) -> bool:
-    """Return True if energy comes from outside: drive, forces over time, moving walls, pointer or edits of a session."""
+    """Return True if the chain receives energy from outside. The sources are a drive, forces over time, moving walls,
+    the pointer, and edits of a session.
+    """
     return trajectory.chain.driven or bool(trajectory.given.any() or trajectory.by_walls.any())
 
 

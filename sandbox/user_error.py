@@ -1,4 +1,6 @@
-"""UserError, the only exception that a user sees: one sentence that helps to correct the input, without a traceback."""
+"""UserError and its subclasses. A user sees only these exceptions. Each one contains one sentence that helps to correct
+the input, and is printed without a traceback.
+"""
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,33 +8,35 @@ from typing import TypeVar
 
 Named = TypeVar("Named")
 
-MISTAKE = 2  # The request of the user is invalid or impossible.
-GAVE_UP = 3  # A run gave up before its end, so the printed and written results do not cover the whole motion.
-POINTS_LOST = 4  # A sweep is complete, but at some points every process died.
-HUNG_UP = 129  # The terminal was closed.
+MISTAKE = 2  # Exit code if the request of the user is invalid or impossible.
+# Exit code if a simulation gave up before its end. The printed and written results do not cover the complete motion.
+GAVE_UP = 3
+# Exit code if a sweep is complete but some points are lost, because every process that computed them died.
+POINTS_LOST = 4
+HUNG_UP = 129  # Exit code if the terminal was closed.
 INTERRUPTED = 130
 CLOSED_PIPE = 141
 TERMINATED = 143
 
 
 class UserError(Exception):
-    """Error with one sentence for the user. The command prints ``softcradle: sentence`` on stderr and exits with code
-    2.
+    """Error with one sentence for the user. The command prints ``softcradle: sentence`` on standard error and exits
+    with the code 2.
     """
 
 
 class GaveUpError(UserError):
-    """Error for a run that gave up before its end, so that no complete result can be written. The command exits with
-    code 3.
+    """Error of a simulation that gave up before its end. A complete result cannot be written. The command exits with
+    the code 3.
     """
 
 
 class StudyError(UserError, ValueError):
-    """Error in the definition of a sweep. In Python it is also a ValueError."""
+    """Error in the definition of a sweep. In Python code, it can also be caught as a ValueError."""
 
 
 def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
-    """Return the error for an unknown name, with the closest known name."""
+    """Return the error for an unknown name. Its message contains the most similar known name."""
     names = list(known)
     near = difflib.get_close_matches(word, names, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
@@ -40,7 +44,9 @@ def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
 
 
 def named(kind: str, wanted: Sequence[str], known: Mapping[str, Named]) -> list[Named]:
-    """Return the items of `known` with the `wanted` names, each once; all items if no name is given. Raise UserError."""
+    """Return the items of `known` with the names `wanted`. Each item is returned once. If no name is given, return all
+    items. Raise UserError if a name is unknown.
+    """
     wrong = next((name for name in wanted if name not in known), None)
     if wrong is not None:
         raise unknown(kind, wrong, known)
@@ -48,5 +54,5 @@ def named(kind: str, wanted: Sequence[str], known: Mapping[str, Named]) -> list[
 
 
 def reason(error: OSError) -> str:
-    """Return the message of the operating system in lower case."""
+    """Return the error message of the operating system in lower case."""
     return (error.strerror or str(error)).lower()

@@ -165,7 +165,9 @@ class WrittenFiles:
 
 
 def open_with_desktop(path: Path) -> None:
-    """Open a file or folder with the default program of the desktop. Raise UserError if there is no such program."""
+    """Open a file or folder with the default program of the desktop. Raise UserError if such a program is not
+    installed.
+    """
     if not webbrowser.open(path.absolute().as_uri()):
         raise UserError(f"{path} is written, but no program was found to open it with")
 

@@ -52,7 +52,7 @@ def body_height(chains: Sequence[Chain]) -> float:
 def locomotives(chain: Chain) -> tuple[bool, ...]:
     """Return a tuple (n+1,) that is True for each body of a train that is drawn as a locomotive.
 
-    The heaviest bodies are locomotives. If all masses are equal, the train has no locomotive.
+    The heaviest bodies are locomotives. If all masses are equal, all bodies are drawn as wagons.
     """
     finite = [mass for mass in chain.mass if math.isfinite(mass)]
     differ = max(finite) > EQUAL_MASSES * min(finite)
@@ -138,8 +138,8 @@ def visible_marks(
     """Return the (n,) forces [N] at which a mark is drawn, or 0 for contacts without a mark. The forces come from
     :func:`rigid_forces`.
 
-    A contact has a mark only if it carries more than `least` [N]. Contacts behind the wave in a chain of steel balls
-    have no visible bar. A mark would look there as if the bar were missing.
+    A contact has a mark only if it carries more than `least` [N]. The bars of contacts behind the wave in a chain of
+    steel balls are invisible. A mark on such a contact would look as if its bar were missing.
     """
     rigid = rigid_forces(mass, ends, overlap, force, length)
     return [

@@ -86,7 +86,7 @@ class Panel(Axes):
             self.mark(surface, self.area.left + place, self.y(self.axis.on(values)).tolist(), self.colours)
 
     def _drawn(self, time: Array, values: Array, colours: Sequence[Colour]) -> pygame.Surface:
-        """Return a surface with the grid and the curves. The first curve is drawn last and therefore covers the others."""
+        """Return a surface with the grid and the curves. The first curve is drawn last and covers the others."""
         wide, high = self.area.size
         fine = pygame.Surface((wide * SUBPIXELS, high * SUBPIXELS), 0, 32)
         fine.fill(tones.background)

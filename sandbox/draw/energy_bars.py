@@ -27,7 +27,7 @@ MOMENTUM_TITLES = (
     N_("momentum"),
 )
 
-# Parts of a title. Each part consists of a word and its colour in the bar, or None if the word has no colour.
+# Parts of a title. Each part consists of a word and its colour in the bar, or None for a word without a colour.
 Words = Sequence[tuple[str, Colour | None]]
 
 

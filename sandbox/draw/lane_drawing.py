@@ -1,4 +1,4 @@
-"""Drawing of one lane. It shows the beads on the ground, a force bar above each contact, and an arrow below each bead."""
+"""Drawing of one lane. It shows beads on the ground, a force bar above each contact and an arrow below each bead."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -381,7 +381,7 @@ class LaneDrawing:
 
     def rise(self, bead: int) -> float:
         """Return how many pixels a bead on a string was above its lowest position in the last picture. Return 0 if the
-        chain has no strings.
+        beads do not hang on strings.
         """
         return self.hangs[bead][1] if self.hangs else 0.0
 
@@ -466,7 +466,7 @@ class LaneDrawing:
         prefix = axis_prefix(self.scales.force)[1]
         unit = (
             f" {prefix}N" if prefix and not self.heading else ""
-        )  # A thumbnail has no heading with the unit, so the label contains the unit.
+        )  # A thumbnail lacks the heading with the unit, so the label contains the unit.
         for i in sorted(range(len(forces)), key=lambda i: -abs(forces[i])):
             if abs(forces[i]) <= visible:
                 return

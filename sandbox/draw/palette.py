@@ -1,4 +1,4 @@
-"""Colours of the light theme, of the dark theme and of beads. Colour-blind people can distinguish the colours of beads."""
+"""Colours of the light theme, of the dark theme and of beads. Colour-blind people can distinguish the bead colours."""
 
 from dataclasses import dataclass, fields, replace
 
@@ -108,7 +108,7 @@ BRIGHT = 0.30
 
 
 def use_theme(name: str) -> None:
-    """Use the colours of the theme `name` from now on. `name` is a key of THEMES. Existing drawings keep their colours."""
+    """Use the colours of the theme `name` from now on. `name` is a key of THEMES. Existing drawings do not change."""
     for field in fields(Tones):
         setattr(tones, field.name, getattr(THEMES[name], field.name))
 
@@ -128,7 +128,7 @@ def luminance(colour: Colour) -> float:
 
 
 def text_on(colour: Colour) -> Colour:
-    """Return the colour of text on a background of `colour`. Text is dark on bright backgrounds and white on dark ones."""
+    """Return the colour of text on a background of `colour`. Text is dark on bright colours and white on dark ones."""
     return LIGHT.foreground if luminance(colour) > BRIGHT else LIGHT.background
 
 

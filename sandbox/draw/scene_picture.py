@@ -220,7 +220,7 @@ class _LanePicture:
             panel.draw_curves(self.motion.time, values)
 
     def _panel(self, rect: pygame.Rect, kind: int, scales: Scales, unit: float) -> Panel:
-        """Return one panel. It shows the velocities if `kind` is 0, the forces if it is 1 and the overlaps if it is 2."""
+        """Return one panel. It shows velocities if `kind` is 0, forces if it is 1 and overlaps if it is 2."""
         colours, contact_colours = self.drawing.colours, self.drawing.contact_colours
         contacts = range(len(contact_colours))
         if kind == 0:

@@ -22,7 +22,7 @@ def font(size: int, bold: bool = False) -> pygame.font.Font:
 
 @cached_surfaces(6)
 def rendered(text: str, size: int, colour: Colour, bold: bool = False) -> pygame.Surface:
-    """Return a surface with `text` on a transparent background. The surface is cached, so callers must not draw on it."""
+    """Return a surface with `text` on a transparent background. The surface is cached: callers must not draw on it."""
     return font(size, bold).render(text, True, colour)
 
 

@@ -107,7 +107,7 @@ class _Workers:
             self._check()
             if worker not in held or held[worker].drawn == held[worker].count:
                 if not waiting:
-                    continue  # The worker has no segments left, so this surface is not used again.
+                    continue  # All segments are assigned, so this surface is not used again.
                 held[worker] = waiting.pop(0)
             segment = held[worker]
             paint(surface, pictures[segment.first + segment.drawn])

@@ -190,7 +190,7 @@ class Palette:
         self._table = table
 
     def frame(self, surface: pygame.Surface) -> av.VideoFrame:
-        """Return a frame that shows `surface` in the colours of the palette. There is no dithering, so the parts that
+        """Return a frame that shows `surface` in the colours of the palette. Dithering is off, so the parts that
         do not move are equal in all frames.
         """
         numbers = np.array(_image_of(surface).quantize(palette=self._colours, dither=Image.Dither.NONE))

@@ -224,7 +224,7 @@ def paint(surface: pygame.Surface, scene: Scene, motions: Sequence[Motion], rate
 
 
 def _width(wide: int, unit: float) -> int:
-    """Return the width of the kymographs in a picture that is `wide` pixels wide. The result is in columns of pixels."""
+    """Return the width [pixels] of the kymographs in a picture that is `wide` pixels wide."""
     return round(wide - (2 * MARGIN + SIDE) * unit)
 
 

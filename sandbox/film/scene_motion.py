@@ -177,7 +177,7 @@ def _row_times(scene: Scene, end: float, rate: float, frames: Frames | None) -> 
 
 
 def shown_span(scene: Scene, end: float) -> tuple[float, float]:
-    """Return how long [s] the scene is shown before its start and after its start. `end` [s] is the end of its motion."""
+    """Return how long [s] the scene is shown before and after its start. `end` [s] is the end of its motion."""
     starts = [(lane.chain(), np.array(lane.velocity)) for lane in scene.lanes]
     apart = any(any(chain.gap) for chain, _ in starts)
     lead = 0.0 if apart else min(LEAD * end, *(longest_lead(chain, velocity) for chain, velocity in starts))
@@ -201,7 +201,9 @@ def require_finite(motions: Sequence[Motion]) -> None:
 
 
 def first_force(motions: Sequence[Motion]) -> int:
-    """Return the number of the first sample at which a contact of any lane pushes or pulls. Return 0 if there is none."""
+    """Return the number of the first sample at which a contact of any lane pushes or pulls. Return 0 if all forces are
+    0.
+    """
     return int(np.argmax(np.any([(motion.force != 0.0).any(axis=1) for motion in motions], axis=0)))
 
 

@@ -1,4 +1,4 @@
-"""Languages of the window. English texts are in the code; each other language has a catalogue
+"""Languages of the window. The code contains the English texts. Each other language has a catalogue of translations,
 LC_MESSAGES/softcradle.po.
 """
 

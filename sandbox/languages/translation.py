@@ -1,7 +1,7 @@
-"""Translation of messages with gettext, including plural forms, decimal marks and the messages of validation errors.
+"""Translation of messages with gettext. It includes plural forms, decimal marks and the messages of validation errors.
 
-The current language is English until :func:`use_language` is called. Only the window calls it: commands and files stay
-English, and a page contains all languages.
+The current language is English until :func:`use_language` is called. Only the window calls this function. Commands and
+files are always in English. A page contains all languages.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 DOMAIN = "softcradle"
 ENGLISH = "en"
 Said = TypeVar("Said")
-# Environment variables of the locale. As in gettext, the first variable that is set counts.
+# Environment variables that select the locale. As in gettext, the first variable that is set is used.
 VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 
 
 class Language(NamedTuple):
-    """Language: its own name, and its decimal mark."""
+    """Language of the window. It consists of the name of the language in that language, and the decimal mark."""
 
     name: str
     decimal_mark: str
@@ -40,7 +40,7 @@ LANGUAGES = {ENGLISH: Language("English", "."), "de": Language("Deutsch", ","), 
 
 
 class _Present:
-    """Current language and its catalogue, which is None for English."""
+    """Current language and its catalogue of translations. The catalogue is None for English."""
 
     def __init__(self) -> None:
         self.code = ENGLISH
@@ -56,14 +56,14 @@ def language() -> str:
 
 
 def use_language(code: str) -> None:
-    """Use the language `code` of LANGUAGES from now on."""
+    """Use the language with this `code` from now on. The code is a key of LANGUAGES."""
     _present.catalogue = None if code == ENGLISH else catalogue(code)
     _present.code = code
 
 
 @contextmanager
 def english() -> Iterator[None]:
-    """Use English inside the block, for files that users of other languages read as well."""
+    """Use English inside the block. It is needed for files that users of other languages also read."""
     code = language()
     use_language(ENGLISH)
     try:
@@ -73,7 +73,9 @@ def english() -> Iterator[None]:
 
 
 def in_every_language(say: Callable[[], Said]) -> dict[str, Said]:
-    """Return the results of `say` in each of LANGUAGES, by language code."""
+    """Call `say` once in each language and return the results by language code. The languages are the keys of
+    LANGUAGES.
+    """
     before, found = language(), {}
     try:
         for code in LANGUAGES:
@@ -85,15 +87,16 @@ def in_every_language(say: Callable[[], Said]) -> dict[str, Said]:
 
 
 def catalogue_path(code: str) -> Path:
-    """Return the path of the translations into a language."""
+    """Return the path of the file with the translations into a language."""
     return Path(__file__).parent / code / "LC_MESSAGES" / f"{DOMAIN}.po"
 
 
 @lru_cache
 def catalogue(code: str) -> NullTranslations:
-    """Return the translations into a language: the compiled ones of an installed package, or those of the .po file.
+    """Return the translations into a language. An installed package contains compiled translations. A checkout contains
+    only the .po files.
 
-    A checkout compiles its .po files when it reads them, so that no build step is needed. This needs Babel.
+    A checkout compiles its .po files when it reads them. No build step is needed, but Babel must be installed.
     """
     from gettext import GNUTranslations
 
@@ -112,15 +115,17 @@ def catalogue(code: str) -> NullTranslations:
 
 
 def language_of_environment(environment: Mapping[str, str] = os.environ) -> str:
-    """Return the first available language of the locale of the environment; the default is English."""
+    """Return the language that the environment variables select. It is the first available language of the locale. The
+    default is English.
+    """
     wished = next((environment[name] for name in VARIABLES if environment.get(name)), "")
     codes = (one.partition(".")[0].partition("_")[0].lower() for one in wished.split(":"))
     return next((code for code in codes if code in LANGUAGES), ENGLISH)
 
 
 def gettext(message: str, **values: object) -> str:
-    """Return `message` in the current language, with `values` inserted for its {names}. Floats get the decimal mark of
-    the language.
+    """Return `message` in the current language. Each name in braces is replaced by the value with this name in
+    `values`. Floats are written with the decimal mark of the language.
     """
     found = _present.catalogue.gettext(message) if _present.catalogue and message else message
     return _filled(found, values) if values else found
@@ -130,45 +135,49 @@ _ = gettext
 
 
 def ngettext(one: str, many: str, n: int, /, **values: object) -> str:
-    """Return the form of a message for the number `n`, which replaces {n} unless `values` contain another n."""
+    """Return the singular or plural form of a message for the number `n`. The number replaces {n}, unless `values`
+    contains another value of n.
+    """
     usual = one if n == 1 else many
     return _filled(_present.catalogue.ngettext(one, many, n) if _present.catalogue else usual, {"n": n, **values})
 
 
 def pgettext(context: str, message: str, **values: object) -> str:
-    """Return the translation of a `message` whose English text has several meanings. `context` selects the meaning."""
+    """Return the translation of a `message` whose English text has several meanings. `context` selects one meaning."""
     found = _present.catalogue.pgettext(context, message) if _present.catalogue else message
     return _filled(found, values) if values else found
 
 
 def N_(message: str) -> str:  # noqa: N802 - gettext's own name for it
-    """Return `message` unchanged. It is marked for the catalogues and translated when it is shown."""
+    """Return `message` unchanged. The call marks the message for the catalogues. It is translated when it is shown."""
     return message
 
 
 def NP_(context: str, message: str) -> str:  # noqa: N802 - likewise
-    """Return `message` unchanged. It is marked for the catalogues with its context and translated by :func:`pgettext`."""
+    """Return `message` unchanged. The call marks the message and its context for the catalogues. :func:`pgettext`
+    translates it later.
+    """
     return message
 
 
 def localized(number: str) -> str:
-    """Return a number as text with the decimal mark of the current language."""
+    """Return `number` with the decimal mark of the current language. `number` is a number as text."""
     return number.replace(".", LANGUAGES[_present.code].decimal_mark)
 
 
 class _Filler(string.Formatter):
-    """Formatter like str.format that writes floats with the decimal mark of the current language and NumPy scalars as
-    plain numbers.
+    """Formatter that works like str.format. It writes floats with the decimal mark of the current language, and NumPy
+    scalars as plain numbers.
     """
 
     def convert_field(self, value: Any, conversion: str | None) -> Any:
-        """Return the value as text if its form is requested by !r."""
+        """Return the value as text if the format string contains the conversion !r."""
         if conversion == "r" and isinstance(value, float):
             return localized(float.__repr__(value))
         return super().convert_field(value, conversion)
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        """Return the text of one value."""
+        """Return the text of one value in the current language."""
         text = format(value, format_spec)
         return localized(text) if isinstance(value, float) else text
 
@@ -181,8 +190,8 @@ def _filled(message: str, values: Mapping[str, object]) -> str:
 
 
 def scene_words(text: str) -> str:
-    """Return the translation of a title, text, source or label of a scene, or the text itself if the catalogue does not
-    contain it.
+    """Return the translation of a title, text, source or label of a scene. If the catalogue does not contain the text,
+    return it unchanged.
     """
     words = " ".join(text.split())
     return message_words(text) if isinstance(text, Message) else gettext(words)
@@ -192,19 +201,19 @@ GAVE_UP = N_("the method gave up before the end: take another one, a larger step
 
 
 def error_words(error: BaseException) -> str:
-    """Return the message of an error in the current language. If a run gave up, return advice."""
+    """Return the message of an error in the current language. If a simulation gave up, return advice instead."""
     return gettext(GAVE_UP) if isinstance(error, GaveUpError) else message_words(message_of(error))
 
 
 def message_words(text: str) -> str:
-    """Return a Message in the current language; any other text unchanged."""
+    """Return a Message in the current language. Return any other text unchanged."""
     if not isinstance(text, Message):
         return text
     return gettext(text.template, **{name: _value_words(name, value) for name, value in text.values.items()})
 
 
 def _value_words(name: str, value: object) -> object:
-    """Return a value of a message: a message or the noun `what` is translated."""
+    """Return a value that is inserted into a message. If the value is a message or the noun `what`, translate it."""
     if isinstance(value, Message):
         return message_words(value)
     return gettext(value) if name == "what" and isinstance(value, str) else value

@@ -134,7 +134,7 @@ def _experiment(scene: Scene) -> dict[str, Any]:
     starts = [float(np.abs(item.velocity).max()) for item in scene.lanes]
     approach = chain.gap[strikers - 1] if strikers else 0.0
     return {
-        "speed": max(speeds) or 1.0,  # If all beads are at rest, there is no speed scale, so 1 m/s is used.
+        "speed": max(speeds) or 1.0,  # If all beads are at rest, a speed of 1 m/s is used.
         "kernel": {"beadRows": BEAD_ROWS, "workRows": WORK_ROWS, "counters": COUNTERS},
         "soft": bool(soft),
         "uniform": {"mass": mass, "law": row, "approach": approach} if strikers else None,
@@ -156,7 +156,7 @@ def _strength(law: list[float]) -> float | None:
 
 
 def _strikers(chain: Chain, lane: Lane) -> int:
-    """Return the number of beads that strike a chain at rest. Return 0 if the beads or the contacts are not all equal."""
+    """Return the number of beads that strike a chain at rest. Return 0 if not all beads and contacts are equal."""
     speeds, finite = lane.velocity, all(map(math.isfinite, chain.mass))
     strikers = next((k for k, speed in enumerate(speeds) if speed != speeds[0]), 0)
     laws = np.column_stack((chain.law_rows, chain.loss))

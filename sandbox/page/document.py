@@ -137,7 +137,7 @@ def table(titles: Sequence[str], rows: Sequence[Sequence[str]], caption: str, hi
 
 
 def spoken(language: str, part: str) -> str:
-    """Return `part`, marked with its language. The script of the page shows it if this is the language of the reader."""
+    """Return `part`, marked with its language. The script of the page shows it to readers of this language."""
     return f'<div lang="{language}"{"" if language == ENGLISH else " hidden"}>{part}</div>'
 
 
@@ -269,7 +269,7 @@ def _more(alone: bool) -> str:
 
 
 def _button(name: str, word: str, icon: str, second: str = "") -> str:
-    """Return a button with an icon. If there is a `second` icon, it replaces the first one while the motion is playing."""
+    """Return a button with an icon. If there is a `second` icon, it replaces the first one while the motion plays."""
     paths = f'<path class="one" d="{ICONS[icon]}"/>' + (f'<path class="two" d="{ICONS[second]}"/>' if second else "")
     return f'<button id="{name}" data-name="{word}"><svg viewBox="0 0 24 24" aria-hidden="true">{paths}</svg></button>'
 

@@ -167,9 +167,10 @@ def recorded_page(played: PlayedMotion, parts: Sequence[str], title: str = "", t
 
 
 def _scene_file(played: PlayedMotion) -> str:
-    """Return the part of the page with the scene file. Return an empty text if the scene has no file.
+    """Return the part of the page with the scene file.
 
-    Scenes with user-defined contact laws have no file. Neither do recordings that begin after the start of the motion.
+    Return an empty text for scenes with user-defined contact laws, because a scene file cannot contain such laws. Also
+    return an empty text for recordings that begin after the start of the motion.
     """
     if any(found.chain.own_laws or found.time[0] > 0.0 for found in played.trajectories):
         return ""

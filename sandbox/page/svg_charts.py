@@ -25,7 +25,7 @@ BAR_SPACE = 7.0  # Height of the space below a bar.
 MOST_POINTS = 500  # Largest number of points of a curve, not counting the ends of jumps.
 # Smallest change between two samples that counts as a jump, as a fraction of the axis. Both samples are drawn.
 JUMP = 0.01
-PLAIN_NUMBERS = (1e-2, 1e4)  # Range of the largest number of an axis in which the axis has no power of ten.
+PLAIN_NUMBERS = (1e-2, 1e4)  # If the largest number of an axis is in this range, the axis lacks a power of ten.
 
 
 @dataclass(frozen=True)

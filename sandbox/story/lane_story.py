@@ -62,7 +62,7 @@ class LaneStory:
 
 
 def first_hit(closings: Iterable[tuple[float, float, int]], mass: Sequence[float], speed: float) -> Hit | None:
-    """Return the first hit among the closings of contacts. Return None if there is no hit.
+    """Return the first hit among the closings of contacts. Return None if all contacts closed without a hit.
 
     If a contact was closed slowly by pressing or pulling, it is not a hit. If several hits happen at the same time, the
     fastest one is returned.

@@ -39,7 +39,7 @@ def signed(number: str) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """Return `value` with `decimals` digits after the decimal mark. A zero has no minus sign."""
+    """Return `value` with `decimals` digits after the decimal mark. Zero is written without a minus sign."""
     text = f"{value:.{decimals}f}"
     if float(text) == 0.0:
         text = text.lstrip("-")
@@ -128,7 +128,7 @@ def round_step(span: float, most: int) -> float:
 
 
 def round_down(value: float) -> float:
-    """Return the largest round number that is not above `value` > 0. Round numbers are 1, 2 or 5 times a power of ten."""
+    """Return the largest round number that is at most `value` > 0. Round numbers are 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(k * power for k in (0.5, 1.0, 2.0, 5.0, 10.0) if k * power <= value * (1.0 + 1e-9))
 
@@ -157,12 +157,12 @@ def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:
 
 
 def time_unit(span: float) -> tuple[float, str]:
-    """Return the unit that suits times up to `span` [s]. It is returned as (seconds in the unit, name of the unit)."""
+    """Return the unit that suits times up to `span` [s]. The result is (seconds in the unit, name of the unit)."""
     return next(((size, name) for size, name in ((1.0, "s"), (1e-3, "ms")) if span >= 0.2 * size), (1e-6, "µs"))
 
 
 def force_unit(largest: float) -> tuple[float, str]:
-    """Return the unit that suits forces up to `largest` [N]. It is returned as (newtons in the unit, name of the unit)."""
+    """Return the unit that suits forces up to `largest` [N]. The result is (newtons in the unit, name of the unit)."""
     return next((unit for unit in FORCE_UNITS if largest >= 0.1 * unit[0]), FORCE_UNITS[-1])
 
 

@@ -84,7 +84,7 @@ def story_words(story: LaneStory) -> str:
 
 
 def _hit_words(hit: Hit | None, body: str) -> str:
-    """Return the sentence about the first hit. Return an empty text if there was no hit."""
+    """Return the sentence about the first hit. Return an empty text if `hit` is None."""
     if hit is None:
         return ""
     when, how_fast, pair = time_text(hit.time), speed_text(hit.speed), (hit.contact, hit.contact + 1)

@@ -189,7 +189,9 @@ def share_texts(shares: Sequence[float]) -> list[str]:
 
 
 def _fraction(share: float) -> str:
-    """Return the fraction with the smallest denominator that is near `share`. Return an empty text if there is none."""
+    """Return the fraction with the smallest denominator that is near `share`. If a near fraction does not exist, return
+    an empty text.
+    """
     if abs(share) < LEAST_SHARE:
         return "0"
     for denominator in range(1, UNIT_DENOMINATOR + 1):

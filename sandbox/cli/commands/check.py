@@ -43,8 +43,8 @@ def _listed(words: Iterable[str]) -> Iterator[str]:
 
 
 def _some(word: str, files: list[str]) -> list[str]:
-    """Return the files. If there are none, return the argument `word` itself. The check of this word then reports the
-    problem.
+    """Return the files. If the list is empty, return the argument `word` itself. The check of this word then reports
+    the problem.
     """
     return files or [word]
 

@@ -1,4 +1,4 @@
-"""`softcradle compare`: simulate the same collision in several chains. Write a film or a report, or print the numbers."""
+"""`softcradle compare`: simulate the same collision in several chains. Write a film or a report, or print numbers."""
 
 import argparse
 from pathlib import Path

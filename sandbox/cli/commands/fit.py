@@ -1,4 +1,4 @@
-"""`softcradle fit`: fit the free values of a scene to measured data. It can also search for values that reach a goal."""
+"""`softcradle fit`: fit the free values of a scene to measured data. It also searches for values that reach a goal."""
 
 from __future__ import annotations
 
@@ -222,7 +222,9 @@ def print_fit(found: SceneFit) -> None:
 
 
 def _strongest(found: SceneFit) -> str:
-    """Return a line about the two fitted values with the strongest correlation. Return an empty text if there is none."""
+    """Return a line about the two fitted values with the strongest correlation, or an empty text if all are
+    independent.
+    """
     import numpy as np
 
     size = np.abs(np.nan_to_num(np.triu(found.correlation, 1)))
@@ -233,7 +235,7 @@ def _strongest(found: SceneFit) -> str:
 
 
 def print_scatter(found: Sequence[SceneFit]) -> None:
-    """Print the mean and the scatter of each fitted value. They are computed from the fits of several tables of data."""
+    """Print the mean and the scatter of each fitted value. They follow from the fits of several tables of data."""
     import numpy as np
 
     rows = []

@@ -44,8 +44,8 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _require_scene(wanted: str) -> None:
-    """Raise UserError if there is no scene or file with the name `wanted`. Problems inside a file are reported by the
-    window.
+    """Raise UserError if a scene or file with the name `wanted` does not exist. Problems inside a file are reported by
+    the window.
     """
     from softcradle.sandbox.session.export import is_shared_text
     from softcradle.sandbox.window.app import STANDARD_INPUT

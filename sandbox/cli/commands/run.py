@@ -1,4 +1,4 @@
-"""`softcradle run`: simulate a scene and write its trajectories. Print the results of each lane as tables or as JSON."""
+"""`softcradle run`: simulate a scene and write its trajectories. Print the results of each lane as tables or JSON."""
 
 from __future__ import annotations
 

@@ -100,8 +100,8 @@ def _compute(args: argparse.Namespace, study: SweepStudy, output: Path) -> int:
 
 
 def _print_summary(found: xr.Dataset) -> None:
-    """Print the size of the Dataset, the range of every measured quantity, and the reasons why some points have no
-    numbers.
+    """Print the size of the Dataset, the range of every measured quantity, and the reasons why the numbers of some
+    points are missing.
     """
     from softcradle.sandbox.sweeps.dataset import reasons_of, summary_rows
 
