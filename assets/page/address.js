@@ -1,4 +1,4 @@
-// The experiment: the settings that the user can change, their limits, and their encoding in the address of the page.
+// The experiment. It consists of the settings that the user can change, their limits, and their encoding in the address of the page.
 
 /**
  * The settings that the user can change. The scene defines the ranges of numbers. Text from an address is never used as markup or code.
@@ -29,16 +29,16 @@ const clamped = (value, [low, high]) => Math.min(Math.max(value, low), high);
 const nearest = (value, list) => list.reduce((best, one) => (Math.abs(one - value) < Math.abs(best - value) ? one : best));
 
 const NUMBER = /^-?(\d{1,9}\.?\d{0,17}|\.\d{1,17})(e-?\d{1,2})?$/;
-// Largest number of characters that a notice repeats of each entry, and largest number of entries.
+// Limits of a notice about invalid entries: the number of characters repeated from each entry, and the number of entries.
 const LONGEST_WISH = 24, MOST_WISHES = 6;
 
-// Read a number written as 0.05, 0,05 or 1/20; NaN for any other text.
+// Return the number in a text such as 0.05, 0,05 or 1/20. Return NaN for any other text.
 function numberOf(text) {
   const parts = String(text ?? "").trim().replace(",", ".").split("/"), value = Number(parts[0]) / Number(parts[1] ?? 1);
   return parts.length < 3 && parts.every((part) => NUMBER.test(part)) && Number.isFinite(value) ? value : NaN;
 }
 
-// Return the entries of an address by key, in lower case. If a key occurs twice, the first entry counts.
+// Return the entries of an address by key, in lower case. If a key occurs twice, the first entry is used.
 function entries(fragment) {
   const found = new Map();
   for (const [key, value] of new URLSearchParams(fragment.slice(1, 400))) {
@@ -47,15 +47,16 @@ function entries(fragment) {
   return found;
 }
 
-// Return true if the page has a control of this name; and if the law has an exponent to choose.
+// Return true if the page has a control with this name. The control of the exponent exists only if the contact law has a variable exponent.
 const settable = (name) => !part(name).closest(".never, body:not(.live) .live-only");
 const hasAlpha = (data, law) => (law === "scene" ? data.soft : law === "soft");
 
-// Return true if a setting differs from the scene. An exponent that the law does not use never differs.
+// Return true if a setting differs from the setting of the scene. An exponent that the contact law does not use never differs.
 const differs = (data, experiment, own, name) => experiment[name] !== own[name] && (name !== "alpha" || hasAlpha(data, experiment.law));
 
 /**
- * Read the experiment from the fragment of an address. Entries that are missing, invalid or not offered by the page stay as in `own`.
+ * Read the experiment from the fragment of an address. An entry may be missing, invalid or not offered by the page. Its setting is then
+ * taken from `own`.
  * @param {string} fragment @param {Experiment} own @param {Record<string, number[]>} limits @param {any} data @returns {Experiment}
  */
 function readAddress(fragment, own, limits, data) {
@@ -77,7 +78,7 @@ function readAddress(fragment, own, limits, data) {
 }
 
 /**
- * List the entries of an address that `experiment`, which was read from it, does not follow, as in "n = 100 (here 49)".
+ * List the entries of an address that could not be used. `experiment` was read from this address. An example is "n = 100 (here 49)".
  * @param {string} fragment @param {any} data @param {Experiment} experiment @param {number} last moment of the motion @returns {string[]}
  */
 function unmetWishes(fragment, data, experiment, last) {
@@ -97,7 +98,8 @@ function unmetWishes(fragment, data, experiment, last) {
 }
 
 /**
- * Return the fragment of an address for an experiment: the settings that differ from `own`, and a language, if given.
+ * Return the fragment of an address that describes an experiment. It contains the settings that differ from `own`, and the language if it
+ * is given.
  * @param {any} data @param {Experiment} experiment @param {Experiment} own @param {string|null} language @param {boolean} [embedded]
  */
 function writeAddress(data, experiment, own, language, embedded = false) {
@@ -112,7 +114,7 @@ function writeAddress(data, experiment, own, language, embedded = false) {
   return text.toString();
 }
 
-// Return true if an address asks for an embedded page; and return its language and time.
+// Return true if an address requests an embedded page. Also return the language and the time that it requests.
 const isEmbedded = (fragment) => entries(fragment).has("embed") && entries(fragment).get("embed") !== "0";
 const addressLanguage = (fragment) => entries(fragment).get("lang");
 function addressMoment(fragment) {
@@ -120,11 +122,12 @@ function addressMoment(fragment) {
   return Number.isNaN(value) ? null : value;
 }
 
-const SOFT_DEPTH = 0.28, STEEL_DEPTH = 0.08; // Overlap of two beads at the speed of the scene, in lengths of a bead.
-const STEEL_SHARE = 0.3; // Largest overlap of steel balls as a fraction of the overlap of soft beads, because steel is harder.
-const GEAR_STIFFNESS = 0.5; // Stiffness relative to preload² / (mass speed²). In rows of up to five beads only the struck contact yields.
+const SOFT_DEPTH = 0.28, STEEL_DEPTH = 0.08; // Overlap of two beads that collide at the speed of the scene, in lengths of a bead.
+const STEEL_SHARE = 0.3; // Largest overlap of steel balls as a fraction of the overlap of soft beads. Steel is harder.
+// Stiffness relative to preload² / (mass speed²). With this value, only the struck contact of a row with up to five beads yields.
+const GEAR_STIFFNESS = 0.5;
 
-// Return preload, stiffness and exponent of a law for the masses, speeds and lengths of a scene.
+// Return the preload, the stiffness and the exponent of a contact law. They follow from the masses, speeds and lengths of a scene.
 function lawRow(data, law, alpha) {
   const { mass, speed, length, strength } = data.matter, energy = 0.25 * mass * speed ** 2;
   const force = strength ?? energy / (SOFT_DEPTH * length);
@@ -134,7 +137,7 @@ function lawRow(data, law, alpha) {
 }
 
 /**
- * Return the initial state and the laws of a lane of the scene in an experiment.
+ * Return the initial state and the contact laws of a lane of the scene in an experiment.
  * @param {any} data of the page @param {number} lane @param {Experiment} experiment @param {Experiment} own @returns {Spec}
  */
 function specOf(data, lane, experiment, own) {
@@ -153,15 +156,15 @@ function specOf(data, lane, experiment, own) {
   spec.velocity = spec.velocity.map((v) => v * experiment.speed / own.speed);
   if (experiment.friction !== own.friction) spec.friction = experiment.friction;
   if (experiment.loss !== own.loss) spec.loss = Array(n).fill(experiment.loss);
-  // A row at rest uses the speed of the page.
+  // The speed scale of a row at rest is the speed of the page.
   spec.speed = (given.velocity.some(Boolean) ? given.speed : data.speed) * experiment.speed / own.speed;
   return spec;
 }
 
 const isSoft = (law, i) => law[3 * i] === 0 && law[3 * i + 1] > 0 && law[3 * i + 2] !== 1.5;
 
-// List the kinds of rows that the first row can be compared with: rows with another contact law, the kind that the scene itself is compared
-// with, and always "none".
+// List the kinds of rows with which the first row can be compared. They are rows with another contact law, the kind that the scene already
+// uses for a comparison, and always "none".
 function compared(data, experiment, own) {
   if (!settable("beside")) return ["none"];
   const spec = specOf(data, 0, experiment, own), named = ({ law }) => `${lawKind(law)} ${law[2]}`;
@@ -169,10 +172,11 @@ function compared(data, experiment, own) {
   return BESIDE.filter((kind) => kind === "none" || first(kind) || named(besideSpec(data, spec, kind)) !== named(spec));
 }
 
-// Choose the kind of row for the button that compares: steel balls, or soft beads if the first row is of steel.
+// Choose the kind of row that the comparison button adds. It is a row of steel balls, or of soft beads if the first row consists of steel
+// balls.
 const contrastTo = (kinds) => (kinds.includes("steel") ? "steel" : "soft");
 
-// Return the row for the comparison with the first one: equal masses, positions and speeds, another law, and no loss.
+// Return the row that is compared with the first row. It has the same masses, positions and speeds, another contact law, and no loss.
 function besideSpec(data, first, kind) {
   const n = first.gap.length, row = kind === "soft" ? lawRow(data, "soft", 0.1) : lawRow(data, kind, 0);
   return { ...first, law: Array(n).fill(row).flat(), loss: Array(n).fill(0) };

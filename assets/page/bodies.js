@@ -1,19 +1,20 @@
-// Bodies on a canvas: beads, draft gears, walls, arrows. Lengths are CSS pixels.
+// Drawing of bodies on a canvas: beads, draft gears, walls and arrows. All lengths are in CSS pixels.
 
-const CYLINDER_LENGTH = 0.8, CYLINDER_HEIGHT = 0.66, PLATE_LENGTH = 0.055; // Sizes of a draft gear, as fractions of its length.
-const WALL_HEIGHT = 1.2; // Height of a wall in lengths of a bead.
+// Length and height of the cylinder of a draft gear, and thickness of its plate, as fractions of the length of the gear.
+const CYLINDER_LENGTH = 0.8, CYLINDER_HEIGHT = 0.66, PLATE_LENGTH = 0.055;
+const WALL_HEIGHT = 1.2; // Height of a wall, in lengths of a bead.
 
-// Return `colour` (#rrggbb) mixed with a `share` (0 to 1) of `other`.
+// Return a mixture of `colour` (#rrggbb) and `other`. `share` (0 to 1) is the fraction of `other`.
 function mixed(colour, other, share) {
   const parts = [1, 3, 5].map((k) => [parseInt(colour.slice(k, k + 2), 16), parseInt(other.slice(k, k + 2), 16)]);
   return `#${parts.map(([a, b]) => Math.round(a + share * (b - a)).toString(16).padStart(2, "0")).join("")}`;
 }
 
 const outlineOf = (colour, theme) => mixed(colour, theme.dark ? "#ffffff" : "#000000", theme.dark ? 0.25 : 0.35);
-const TRANSPARENT = 0.17; // Transparency of a bead, so that both outlines of an overlap are visible.
+const TRANSPARENT = 0.17; // Transparency of a bead. With it, the outlines of two overlapping beads are both visible.
 const translucent = (colour) => `${colour}${Math.round(255 * (1 - TRANSPARENT)).toString(16)}`;
 
-// Compute the relative luminance of a colour, and the contrast ratio of two colours (WCAG 2.2).
+// Compute the relative luminance of a colour. The next function computes the contrast ratio of two colours (WCAG 2.2).
 function luminance(colour) {
   const linear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
   const [r, g, b] = [1, 3, 5].map((k) => linear(parseInt(colour.slice(k, k + 2), 16) / 255));
@@ -24,10 +25,10 @@ function contrastOf(one, other) {
   return (high + 0.05) / (low + 0.05);
 }
 
-const READ = 4.5; // Smallest contrast ratio of text (WCAG 2.2, 1.4.3).
-const DIGITS = ["#ffffff", "#000000"]; // Colours of the number on a bead. Every fill colour has enough contrast with one of them.
+const READ = 4.5; // Smallest contrast ratio between text and its background (WCAG 2.2, 1.4.3).
+const DIGITS = ["#ffffff", "#000000"]; // Colours of the number on a bead. Every colour of a bead has enough contrast with one of them.
 
-// Mix ink into `colour` until text of this colour has enough contrast with the paper.
+// Mix the text colour of the theme into `colour` until text of the mixed colour has enough contrast with the background.
 function textColour(colour, theme) {
   let share = 0;
   while (share < 1 && contrastOf(mixed(colour, theme.ink, share), theme.paper) < READ) share += 0.05;
@@ -45,7 +46,7 @@ function disc(pen, x, y, radius, colour, rim, theme) {
   pen.stroke();
 }
 
-// Draw a bead. The radius of its core, `core` times the radius of the bead, shows the mass relative to the largest mass.
+// Draw a bead. Its core shows its mass relative to the largest mass. The radius of the core is `core` times the radius of the bead.
 function bead(pen, left, ground, size, colour, core, theme) {
   const radius = size / 2, rim = Math.min(Math.max(1, 0.03 * size), radius);
   disc(pen, left + radius, ground - radius, radius, colour, rim, theme);
@@ -67,7 +68,7 @@ function cylinder(pen, left, ground, size, colour, theme) {
   pen.fillRect(left + wide - head, ground - tall, head, tall);
 }
 
-// Draw rod and plate of a draft gear; `end` is the face of the plate.
+// Draw the rod and the plate of a draft gear. `end` is the horizontal position of the face of the plate.
 function piston(pen, end, ground, size, theme) {
   const tall = 0.44 * size, top = ground - size * 0.5 * CYLINDER_HEIGHT - tall / 2, plate = Math.max(2, PLATE_LENGTH * size);
   pen.fillStyle = theme.steel;
@@ -115,7 +116,7 @@ function rounded(pen, x, y, wide, tall, radius) {
   pen.fill();
 }
 
-// Draw one line of text; `align` is "left", "center" or "right". A text wider than `room` is drawn with narrower letters.
+// Draw one line of text. `align` is "left", "center" or "right". If the text is wider than `room`, its letters are drawn narrower.
 function write(pen, text, x, y, size, colour, align = "left", bold = false, room = undefined) {
   pen.font = `${bold ? 600 : 400} ${size}px ${FONT}`;
   pen.textAlign = align;

@@ -1,12 +1,13 @@
-// A chart: velocities or forces of a lane over time, with labels of the curves at the current time.
+// A chart shows the velocities or the forces of a lane over time. The curves have labels at the current time.
 
 const CHART_LEFT = 44, CHART_RIGHT = 34, CHART_TOP = 26, CHART_BOTTOM = 24;
-// Height of a chart, and largest number of points of a curve. In rows of many beads the curves have fewer points.
+// Height of a chart in pixels, and largest number of points of a curve. In rows of many beads, the curves have fewer points.
 const CHART_HEIGHT = 190, MOST_POINTS = 420;
-const SPARE = 0.3; // Largest deviation of the time axis from the known time range while a motion is open-ended, as a fraction of the axis.
-const PIECE = 24; // Length in pixels of the curve pieces that are copied to the layer at once.
-const SPREAD = 5; // Distance in pixels by which dots and ends of curves extend beyond their position.
-const MOST_LABELLED = 7, LABEL_PITCH = 13; // Largest number of curves that have labels, and distance between two labels in pixels.
+// Largest deviation of the time axis from the known time range, as a fraction of the axis. It is used while the end of a motion is unknown.
+const SPARE = 0.3;
+const PIECE = 24; // Length in pixels of the parts of curves that are copied to the layer in one step.
+const SPREAD = 5; // Distance in pixels by which dots and the ends of curves extend beyond their position.
+const MOST_LABELLED = 7, LABEL_PITCH = 13; // Largest number of curves with labels, and distance between two labels in pixels.
 
 class Chart {
   /** @param {HTMLCanvasElement} canvas @param {number} lane @param {string} channel "velocity" or "force" */
@@ -17,9 +18,9 @@ class Chart {
     this.first = channel === "velocity" ? 0 : 1; // A contact has the colour of the bead on its right.
     this.low = this.high = this.begin = this.end = this.branch = 0;
     this.drawn = -Infinity; // Time up to which the layer contains the curves.
-    this.dirty = [0, 0]; // Horizontal range in pixels that differs from the layer.
+    this.dirty = [0, 0]; // Horizontal range in pixels in which the canvas differs from the layer.
     this.pen = canvas.getContext("2d");
-    this.layer = document.createElement("canvas").getContext("2d"); // The layer keeps everything that does not change from frame to frame.
+    this.layer = document.createElement("canvas").getContext("2d"); // The layer contains everything that is the same in every frame.
   }
 
   /** @param {any} theme @param {string} title @param {number[][]} ghost time and values of each point of the previous run */
@@ -36,7 +37,7 @@ class Chart {
     for (const [, ...values] of ghost) this.ghostRange = [Math.min(this.ghostRange[0], ...values), Math.max(this.ghostRange[1], ...values)];
     this.right = width - CHART_RIGHT;
     this.foot = CHART_HEIGHT - CHART_BOTTOM;
-    this.branch = NaN; // NaN marks the layer as empty.
+    this.branch = NaN; // The value NaN means that the layer is empty.
   }
 
   /** @param {any} source @param {any} data of the page @param {any} unit of the values */
@@ -71,7 +72,8 @@ class Chart {
     write(pen, say("ghost"), right + CHART_RIGHT - 4, 15, 12, theme.muted, "right");
   }
 
-  // Return true if the layer has to be drawn again, and set its time axis. For an open-ended run the axis extends beyond the known end.
+  // Return true if the layer must be drawn again, and set its time axis. If the end of the motion is unknown, the axis extends beyond the
+  // known time.
   outlived({ begun, last, open }) {
     const span = this.end - this.begin, late = begun - this.begin, room = this.end - last;
     const holds = open ? late >= 0 && late < SPARE * span && room >= 0 && room < SPARE * span : !late && !room;
@@ -100,7 +102,8 @@ class Chart {
     write(pen, data.unit.name, this.right + CHART_RIGHT - 4, this.foot + 17, 12, theme.muted, "right");
   }
 
-  // Draw the curves from the end of the layer on, and return their end. Long pieces go to the layer, so that joints are invisible.
+  // Draw the part of the curves that the layer does not contain, and return its end. Long parts are drawn on the layer. This makes the
+  // joints between parts invisible.
   curves(source, count) {
     const most = Math.max(40, Math.min(MOST_POINTS, Math.floor(6000 / count))), points = [];
     source.trace(this.lane, this.channel, most, this.drawn, (time, values, at) => points.push([time, values, at]));
@@ -132,7 +135,7 @@ class Chart {
     }
   }
 
-  // Draw a dot at the end of each curve and its label next to it. Labels that would overlap are moved apart.
+  // Draw a dot at the end of each curve, and a label next to the dot. Labels that would overlap are moved apart.
   labels(now, x) {
     const { pen, theme, first } = this;
     pen.fillStyle = theme.strong;

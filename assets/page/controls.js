@@ -1,16 +1,17 @@
-// Listeners of pointers and keys on the beads, of sliders and buttons, and the start of the page.
+// Listeners for the pointer and keys on the beads, and for sliders and buttons. The module also starts the page.
 
-const SIDEWAYS = 8; // Movement of a finger in pixels that decides the gesture: sideways is a drag, up or down scrolls the page.
+// Movement of a finger in pixels after which the gesture is decided. A sideways movement drags. A vertical movement scrolls the page.
+const SIDEWAYS = 8;
 
-// Return true if a touch that began at `first` has become a drag, false if it scrolls the page, null if it is not decided.
+// Return true if the touch that began at `first` is a drag. Return false if it scrolls the page, and null if it is not decided yet.
 function becomesDrag(first, event) {
   const x = Math.abs(event.clientX - first.clientX), y = Math.abs(event.clientY - first.clientY);
   return Math.max(x, y) < SIDEWAYS ? null : x > y;
 }
 
 /**
- * Report drags of an element: by mouse at once, by finger or pen after a sideways movement. `begin` may refuse a drag. A `tap` is a touch
- * without movement.
+ * Report drags of an element. A drag with the mouse begins at once, and a drag with a finger or pen after a sideways movement. `begin` can
+ * reject a drag. A `tap` is a touch without movement.
  * @param {HTMLElement} element
  * @param {{begin: (event: PointerEvent) => boolean, move: (event: PointerEvent) => void, end?: () => void, tap?: (event: PointerEvent) => void}} work
  */
@@ -39,7 +40,8 @@ function onDrag(element, { begin, move, end = () => {}, tap = () => {} }) {
 }
 
 /**
- * Report the values of a slider. A touch counts after a sideways movement or when it ends; a touch that scrolls the page restores the value.
+ * Report the values of a slider. A touch counts after a sideways movement or when it ends. If a touch scrolls the page, the slider returns
+ * to its previous value.
  * @param {HTMLInputElement} input @param {() => void} work
  */
 function onSlide(input, work) {
@@ -107,12 +109,13 @@ function canvasOf(page, lane, parent) {
   return canvas;
 }
 
-// Handle a key on the beads. Arrow keys choose a bead, pull the held bead, or throw it with Shift; Enter takes and releases it.
+// Handle a key that is pressed on the beads. Arrow keys choose a bead or pull the held bead. With Shift, they throw the bead. Enter takes
+// and releases it.
 function beadKey(page, lane, event) {
   const { source } = page, direction = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
   if (!source.live || event.ctrlKey || event.metaKey || event.altKey || !(direction || event.key === "Enter" || event.key === "Escape")) return;
   event.preventDefault();
-  const { mass } = source.rows[lane]; // The mass of a wall is 0 here.
+  const { mass } = source.rows[lane]; // In this list, the mass of a wall is 0.
   const fresh = page.chosen?.lane !== lane || !mass[page.chosen.bead];
   if (fresh) page.chosen = { lane, bead: mass.findIndex(Boolean) };
   if (direction && source.hand) source.hand.place += direction * PULLED * page.data.length;
@@ -141,7 +144,7 @@ function chartCanvas(page, parent) {
   return canvas;
 }
 
-/** Fill the tables with the present values of beads and contacts. @param {Page} page @param {Now[]} nows */
+/** Write the current values of beads and contacts into the tables. @param {Page} page @param {Now[]} nows */
 function fillTables(page, nows) {
   const rows = (titles, lines) => {
     const table = document.createElement("table"), add = (row, tag, text) => { const cell = document.createElement(tag); cell.textContent = text; row.append(cell); };
@@ -186,7 +189,7 @@ function listen(page) {
     });
   }
   listenShare(page);
-  part("full").href = location.href; // An element without address gets no focus.
+  part("full").href = location.href; // An element without an address cannot get the focus.
   on("full", "click", () => { part("full").href = addressWith(page, "").replace(/[#&]embed=1/, ""); });
   const keys = { " ": () => page.toggle(), ",": () => page.step(-1), ".": () => page.step(1), r: () => page.again() };
   document.addEventListener("keydown", (event) => {
@@ -204,14 +207,14 @@ function listen(page) {
   }).observe(part("lanes"));
 }
 
-// Return the kernels of the page. The promise fails if the browser does not allow them.
+// Return the kernels of the page. The promise is rejected if the browser does not allow kernels.
 async function kernels(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const code = new Response(packed).body.pipeThrough(new DecompressionStream("gzip"));
   return WebAssembly.compile(await new Response(code).arrayBuffer());
 }
 
-// Wait until the browser has drawn the page, because the first computation can take seconds.
+// Wait until the browser has drawn the page. The first computation can take seconds.
 const drawn = () => new Promise((done) => { setTimeout(done, 200); requestAnimationFrame(() => setTimeout(done, 0)); });
 
 /** @returns {Promise<Page>} */

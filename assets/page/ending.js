@@ -1,12 +1,14 @@
-// The outcome in words: which groups move, and what two rigid bodies would have done. The rule is the same as in sandbox/story/outcome.py.
+// The outcome of a motion in words. It describes which groups of beads move, and how two rigid bodies would have moved. The rule is the
+// same as in sandbox/story/outcome.py.
 
 /**
- * A group of beads that move together, or a wall that moves: numbers of its outermost beads, and the velocity of its centre of mass.
+ * A group of beads that move together, or a moving wall. It has the numbers of its first and last bead and the velocity of its centre of
+ * mass.
  * @typedef {{first: number, last: number, velocity: number, state: string, wall: boolean}} Group
  */
 
 /**
- * Return the groups of a row from left to right, without walls at rest.
+ * Return the groups of a row from left to right. Walls at rest are omitted.
  * @param {(number|null)[]} mass null for a wall @param {ArrayLike<number>} start @param {ArrayLike<number>} velocity
  * @returns {Group[]}
  */
@@ -14,19 +16,20 @@ function groupsOf(mass, start, velocity) {
   const now = Array.from(velocity), begin = Array.from(start), change = now.map((v, k) => Math.abs(v - begin[k])), wall = (k) => mass[k] === null;
   const largest = (values) => Math.max(0, ...values.map(Math.abs)), speed = largest(begin) || largest(now);
   const finest = STORY.resolution * Math.max(largest(change.filter((_, k) => !wall(k))), STORY.equal * speed);
-  // Add up values of mass and velocity over some beads.
+  // Return the sum of a function of mass and velocity over some beads.
   const sum = (value, first = 0, last = now.length - 1, row = now) => {
     let found = 0;
     for (let k = first; k <= last; k++) if (!wall(k)) found += value(mass[k], row[k]);
     return found;
   };
   const centre = (first, last) => sum((m, v) => m * v, first, last) / sum((m) => m, first, last);
-  // Split a row without walls at its largest difference of neighbours, until the beads of each part move together.
+  // Split a row without walls at the largest difference between the velocities of neighbours. Repeat this until the beads of each part move
+  // together.
   const split = (first, last) => {
     const part = now.slice(first, last + 1), allowed = STORY.together * Math.min(...change.slice(first, last + 1));
     if (Math.max(...part) - Math.min(...part) <= Math.max(allowed, finest)) return [{ first, last }];
     const jumps = part.slice(1).map((v, k) => Math.abs(v - part[k])), widest = (1 - STORY.equal) * largest(jumps);
-    // If several differences are equally large, take the one nearest to the middle.
+    // If several differences are equally large, use the difference nearest to the middle.
     const off = (k) => Math.abs(k - 0.5 * (jumps.length - 1));
     const at = first + [...jumps.keys()].filter((k) => jumps[k] >= widest).sort((a, b) => off(a) - off(b))[0];
     return [...split(first, at), ...split(at + 1, last)];
@@ -38,7 +41,7 @@ function groupsOf(mass, start, velocity) {
     if (k < now.length) groups.push({ first: k, last: k });
     first = k + 1;
   }
-  // The slow groups with the least momentum stand still, as long as their shares are small.
+  // Starting with the least momentum, slow groups stand still while their total shares of momentum and energy are small.
   const heft = (m, v) => m * Math.abs(v), work = (m, v) => m * v * v, most = (value) => Math.max(sum(value), sum(value, 0, now.length - 1, begin));
   for (const group of groups) {
     const { first, last } = group;
@@ -52,7 +55,7 @@ function groupsOf(mass, start, velocity) {
     const limit = (1 + STORY.equal) * slow[next].carried, equal = slow.filter((group, k) => k >= next && group.carried <= limit);
     for (const group of equal) { carried += group.carried; held += sum(work, group.first, group.last); }
     if (carried > STORY.momentum * most(heft) || held > STORY.energy * most(work)) break;
-    for (const group of equal) group.still = true; // Groups with the same momentum stand still together or not at all.
+    for (const group of equal) group.still = true; // Groups with the same momentum either all stand still or all move.
     next += equal.length;
   }
   const joined = [];
@@ -69,7 +72,7 @@ function groupsOf(mass, start, velocity) {
 }
 
 /**
- * Return the sentences about a row whose beads have separated.
+ * Return sentences about a row whose beads have separated.
  * @param {ArrayLike<number>} velocity @param {{mass: (number|null)[], velocity: number[]}} spec
  */
 function whatHappened(velocity, spec) {
@@ -90,13 +93,14 @@ function groupWords({ first, last, velocity, state, wall }) {
 // Return a speed [m/s] with its unit.
 const speedText = (v) => `${plain(v, STORY.digits)}\u00a0m/s`;
 
-// Return a sentence with the velocities of two rigid bodies after their collision, or "". It applies to two clusters of touching beads,
-// each with a single velocity, without external forces, that do not approach each other with the present `velocity`.
+// Return a sentence with the velocities that two rigid bodies would have after their collision, or "". The sentence applies to two clusters
+// of touching beads without external forces. Each cluster must have a single velocity at the start. The clusters must not approach each
+// other with the current `velocity`.
 function rigidWords(spec, { dissipative, driven, pulls }, length, velocity) {
   const meeting = spec.velocity.findIndex((v, k) => v > (spec.velocity[k + 1] ?? v));
   const before = spec.velocity.slice(0, meeting + 1), after = spec.velocity.slice(meeting + 1);
   if (meeting < 0 || spec.mass.includes(null) || before.some((v) => v !== before[0]) || after.some((v) => v !== after[0])) return "";
-  // There are three clusters, or contacts are compressed at the start.
+  // There are three or more clusters, or contacts are compressed at the start.
   if (spec.gap.some((wide, k) => (k === meeting ? -wide : Math.abs(wide)) > LEAST_GAP * length)) return "";
   if (dissipative || driven || pulls || velocity[meeting] - velocity[meeting + 1] > STORY.slow * spec.speed) return "";
   const sum = (masses) => masses.reduce((total, mass) => total + mass, 0);

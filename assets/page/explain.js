@@ -1,13 +1,15 @@
 // The question before a collision, the verdict after it, and the explanation at the moment of the largest force.
 
 const GUESSES = ["last", "together", "spread"]; // possible answers to the question
-const CARRIED = 0.75; // Fraction of the kinetic energy of a row above which its last beads alone have flown off.
+// Smallest fraction of the kinetic energy that the last beads must carry. Above this value, the answer "only the last ones fly off" is
+// right.
+const CARRIED = 0.75;
 const EXPLAINED = 4; // Largest number of contacts that an explanation names.
-// Force of a contact, relative to its force in a solid block, below which the push has not yet arrived there.
+// Smallest force of a contact that the push has reached, as a fraction of its force in a solid block.
 const ARRIVED = 0.25;
-const STEEP = 0.1; // Ratio of the last to the first overlap below which the overlaps die out along the row.
+const STEEP = 0.1; // Largest ratio of the last to the first overlap at which the overlaps count as decaying along the chain.
 
-// Return the number of equal bodies that hit two or more equal bodies at rest, or 0.
+// Return the number of equal bodies that hit other equal bodies, or 0. The other bodies are at least two and are at rest.
 function strikersOf({ mass, velocity, gap, drive }) {
   const m = velocity.findIndex((v) => v !== velocity[0]);
   const alike = Math.max(...mass) <= EQUAL_MASSES * Math.min(...mass) && !mass.includes(null) && !isTrain(mass);
@@ -15,10 +17,10 @@ function strikersOf({ mass, velocity, gap, drive }) {
   return velocity.slice(m).some(Boolean) ? 0 : m;
 }
 
-// Return the number of the row that the question is about: the first one of soft beads or draft gears, otherwise the first one.
+// Return the index of the row that the question is about. It is the first row of soft beads or draft gears, or otherwise the first row.
 const subjectOf = (specs) => Math.max(0, specs.findIndex(({ law }) => ["soft", "gear"].includes(lawKind(law))));
 
-// Return the question above the beads, or "" if the row is not struck.
+// Return the question above the beads. Return "" if the beads of the row are not struck.
 function leadWords(specs) {
   const one = specs[subjectOf(specs)], m = strikersOf(one), kind = lawKind(one.law);
   if (!m || !["soft", "gear", "steel"].includes(kind)) return "";
@@ -27,7 +29,8 @@ function leadWords(specs) {
 }
 
 /**
- * Return which of GUESSES a struck row did, and for "together" the number of struck beads in its largest group.
+ * Return which answer of GUESSES describes the motion of a struck row. For "together", also return the number of struck beads in its
+ * largest group.
  * @param {Spec} spec @param {ArrayLike<number>} velocity after the collision @returns {{kind: string, count: number}}
  */
 function outcomeOf(spec, velocity) {
@@ -39,7 +42,10 @@ function outcomeOf(spec, velocity) {
   return { kind: count >= 2 && count >= (mass.length - m) / 2 ? "together" : "spread", count };
 }
 
-/** Return the verdict on a guess, or only the outcome. @param {Spec[]} specs @param {ArrayLike<number>[]} velocities @param {string} guess */
+/**
+ * Return the sentence about a guess. Without a guess, return only the outcome.
+ * @param {Spec[]} specs @param {ArrayLike<number>[]} velocities @param {string} guess
+ */
 function verdictWords(specs, velocities, guess) {
   const lane = subjectOf(specs), spec = specs[lane], m = strikersOf(spec), n = spec.mass.length - m;
   const { kind, count } = outcomeOf(spec, velocities[lane]), said = guess ? [say(guess === kind ? "guess right" : "guess wrong")] : [];
@@ -52,7 +58,7 @@ function verdictWords(specs, velocities, guess) {
 }
 
 /**
- * Explain the state of a struck row at its largest force: the contacts to look at, from the struck one to the end, and a sentence.
+ * Explain the state of a struck row at its largest force. Return the contacts from the struck contact to the end, and a sentence.
  * @param {Spec} spec @param {Now} now @returns {{contacts: number[], words: string}}
  */
 function explanationOf(spec, now) {

@@ -1,7 +1,7 @@
-// Messages between the page and the site that embeds it. docs/sharing.md describes them.
+// Messages between the page and the site that embeds it. docs/sharing.md describes the messages.
 
 /**
- * Return the state of the page for a host.
+ * Return the state of the page for the site that embeds it.
  * @param {Page} page
  */
 function stateOf(page) {
@@ -19,7 +19,8 @@ function stateOf(page) {
 }
 
 /**
- * Answer messages of the site that embeds the page. Other windows are ignored. Values of settings are read as in the address of the page.
+ * Answer messages of the site that embeds the page. Messages of other windows are ignored. Settings have the same form as in the address of
+ * the page.
  * @param {Promise<Page>} started
  */
 function listenHost(started) {

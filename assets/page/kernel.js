@@ -1,8 +1,8 @@
-// A chain in the memory of kernels.wasm: its arrays, and the call that advances it by a frame.
+// A chain in the memory of kernels.wasm. The module contains the arrays of the chain and the call that advances it by one frame.
 
-const MOST_STEPS = 100000; // Largest number of steps per call.
-const NEVER = 0x40000000; // High word of a step count that is never reached, so that the kernel makes no checkpoint.
-const DONE = 0; // Status of a run that reached its end.
+const MOST_STEPS = 100000; // Largest number of time steps per call of the kernel.
+const NEVER = 0x40000000; // High word of a step count that is never reached. With it, the kernel makes no checkpoint.
+const DONE = 0; // Status that the kernel returns if the end of the time interval was reached.
 const COUNTER_WORDS = 2; // Number of 32-bit words per counter.
 
 class Kernel {
@@ -17,7 +17,7 @@ class Kernel {
     let at = (base.value + 15) & ~15;
     const place = (Kind, size) => {
       const room = at + size * Kind.BYTES_PER_ELEMENT - memory.buffer.byteLength;
-      // Enlarge the memory before any array is created, because that detaches existing arrays.
+      // Enlarge the memory before any array is created. Enlarging it later would detach the existing arrays.
       if (room > 0) memory.grow(Math.ceil(room / 65536));
       const found = { Kind, at, size };
       at = (at + size * Kind.BYTES_PER_ELEMENT + 7) & ~7;
@@ -46,7 +46,7 @@ class Kernel {
     /** @type {Float64Array} */ this.loss = array("loss");
     /** @type {Float64Array} */ this.bed = array("bed");
     /** @type {Float64Array} */ this.rest = array("rest"); // Overlaps and position of the anchor bead of a row on strings at rest.
-    this.swing = 0; // Squared angular frequency of the strings in 1/s²; 0 without strings.
+    this.swing = 0; // Squared angular frequency of beads on strings in 1/s²; 0 without strings.
     this.closed = array("closed");
     this.counter = array("counter");
     this.reached = array("reached");
@@ -59,7 +59,8 @@ class Kernel {
     this.time = 0;
   }
 
-  // Advance by `duration` in steps of `step`; if `pushed`, the forces in `push` act. Return true if the end was reached.
+  // Advance the chain by `duration` in time steps of `step`. If `pushed` is true, the forces in `push` act on the beads. Return true if the
+  // end was reached.
   advance(duration, step, pushed) {
     const { n, overlap, force, closed } = this, slides = this.bed.some((value) => value > 0);
     this.counter.fill(0);
@@ -74,7 +75,8 @@ class Kernel {
     return this.result[0] === DONE;
   }
 
-  // Compute positions or velocities (n+1) from the differences of neighbours and the value of the anchor. Write them to `found`.
+  // Compute the positions or velocities (n+1) from the differences between neighbours and the value of the anchor bead. Write them to
+  // `found`.
   rebuilt(differences, value, found) {
     const b = this.anchorBead;
     found[b] = value;

@@ -1,17 +1,18 @@
-// The live source: rows with a common clock, computed frame by frame. The states of the last minute are stored, so that the user can
-// rewind.
+// The live source. It computes several rows with a common clock frame by frame. The states of the last minute are stored, and the user can
+// return to them.
 
-const LONGEST = 0.1; // Longest pause of the page, in seconds of wall time, that is made up for.
-const BUDGET = 10; // Wall time in milliseconds for the physics of one picture.
-const REMEMBERED = 3600; // Number of stored states, enough for a minute.
+const LONGEST = 0.1; // Longest pause of the page for which the motion catches up, in seconds of wall time.
+const BUDGET = 10; // Largest computing time per picture in milliseconds of wall time.
+const REMEMBERED = 3600; // Number of stored states. They cover one minute.
 const FRAMES_KEPT = 2; // Number of frames between two stored states.
-const LOOK_AHEAD = 60; // Duration of the run ahead before a motion is played, in seconds of wall time.
-const MOST_LOOKED = 1.5e6; // Largest number of contacts times steps of the run ahead: half a second on a slow computer.
-// Largest number of contacts times steps per picture on the way to another time, and of frames.
+const LOOK_AHEAD = 60; // Longest motion that is computed in advance before it is played, in seconds of wall time.
+// Largest number of contacts times steps that are computed in advance. They take half a second on a slow computer.
+const MOST_LOOKED = 1.5e6;
+// Limits per picture when the user moves to another time: contacts times steps, and frames.
 const MOST_AT_ONCE = 3e5, FRAMES_AT_ONCE = 3600;
-const TAIL = 1.5; // Seconds of wall time shown after all rows have separated or stopped.
-const LONGEST_SLIDE = 30; // Longest time until friction stops the beads that a run includes, in seconds of wall time.
-const LINGER = 6; // Seconds of wall time shown after the separation if the end was not known.
+const TAIL = 1.5; // Duration of the motion that is shown after all rows have separated or stopped, in seconds of wall time.
+const LONGEST_SLIDE = 30; // Longest slide after a collision that is shown until friction stops the beads, in seconds of wall time.
+const LINGER = 6; // Duration of the motion that is shown after the separation if its end was unknown, in seconds of wall time.
 const BEFORE_HIT = 0.25; // Longest free flight that is played before the first hit, as a fraction of the time from the hit to the end.
 
 class Live {
@@ -30,7 +31,7 @@ class Live {
   begin(specs, pace) {
     this.rows = specs.map((spec, k) => new Row(this.instances[k], this.data.kernel, spec));
     this.nows = specs.map((spec) => emptyNow(spec.gap.length));
-    this.setPace(1); // Length and end of the run ahead do not depend on the pace.
+    this.setPace(1); // The length and the end of the motion computed in advance do not depend on the playback speed.
     this.scales = this.lookAhead();
     for (const row of this.rows) row.begin();
     const flight = Math.max(0, Math.floor((this.hit - BEFORE_HIT * (this.end - this.hit)) / this.frameTime));
@@ -38,8 +39,9 @@ class Live {
     this.setPace(pace);
     const before = this.kept ?? [], rooms = this.rows.map((row) => row.width * REMEMBERED);
     this.kept = rooms.map((room, lane) => (before[lane]?.length === room ? before[lane] : new Float64Array(room)));
-    this.branch += 1; // Charts have to discard the curves of the previous run.
-    this.first = this.count = 0; // Numbers of the stored states: the oldest is `first`, the newest is `count - 1`.
+    this.branch += 1; // A new branch number makes the charts discard the curves of the previous run.
+    // Numbers of the stored states. The oldest state has the number `first`, and the newest has the number `count - 1`.
+    this.first = this.count = 0;
     this.shown = 0;
     this.touched = false;
     this.hand = null;
@@ -58,10 +60,10 @@ class Live {
 
   get begun() { return this.timeOf(this.first); }
 
-  // True if the end is unknown, because the user has intervened or the run ahead has not reached it.
+  // True if the end of the motion is unknown. The user has intervened, or the computation in advance has not reached the end.
   get open() { return this.touched || !(this.followed || this.data.duration); }
 
-  // The end of the run, if it is known; otherwise the newest time.
+  // The end of the motion if it is known. Otherwise the newest computed time.
   get last() { return Math.max(this.touched ? 0 : this.end, this.timeOf(this.count - 1)); }
 
   timeOf(number) { return this.kept[0][(number % REMEMBERED) * this.rows[0].width]; }
@@ -70,20 +72,20 @@ class Live {
     this.rows.forEach((row, lane) => row.frame(this.frameTime, this.steps, this.slow, hand && hand.lane === lane ? hand : null));
   }
 
-  // Return the number of frames that need `work` contacts times steps.
+  // Return the number of frames whose number of contacts times steps is `work`.
   framesOf(work) {
     const each = this.rows.reduce((sum, row) => sum + row.kernel.n / (row.spec.swing ? FLOWN : 1), 0);
     return Math.ceil(work / (this.steps * each));
   }
 
-  // Run ahead to find the axes and the length of the motion, within a time limit. The rows move; they have to start again afterwards.
+  // Compute the motion in advance to find its axes and its length, within a time limit. The rows must be reset to the start afterwards.
   lookAhead() {
     const { rows, nows } = this, most = Math.min(LOOK_AHEAD * STORY.frameRate, this.framesOf(MOST_LOOKED)), { duration } = this.data;
     this.peaks = rows.map((row) => ({ force: 0, state: new Float64Array(row.width) }));
     const scales = startScales(this.data, rows), limit = duration ? Math.ceil(duration / this.frameTime) : Infinity;
     let apart = 0, k = 0;
     this.hit = -1;
-    // State when the rows separated, if friction stops them later.
+    // State at the time when the rows separated. It is used if friction stops the rows later.
     /** @type {{time: number, velocity: number[][]}|null} */ this.parted = null;
     for (; k < limit && k < most && apart < TAIL * STORY.frameRate; k++) {
       this.frame(null);
@@ -95,20 +97,20 @@ class Live {
       if (this.hit < 0 && nows.some((now) => now.force.some((f) => f > 0))) this.hit = rows[0].kernel.time;
       apart = this.apart ? apart + 1 : 0;
       const sliding = apart && this.slow * Math.max(...rows.map((row) => row.sliding));
-      if (sliding && duration) apart = 0; // Sliding beads are followed up to the duration of the scene.
+      if (sliding && duration) apart = 0; // If beads are sliding, the motion is computed up to the duration of the scene.
       if (!sliding || duration || sliding > LONGEST_SLIDE) continue;
       this.parted ??= { time: rows[0].kernel.time, velocity: nows.map(({ velocity }) => Array.from(velocity)) };
       apart = 0;
     }
     this.hit = Math.max(this.hit, 0);
-    this.followed = k >= limit || apart >= TAIL * STORY.frameRate; // Otherwise the time limit was reached first.
+    this.followed = k >= limit || apart >= TAIL * STORY.frameRate; // If this is false, the time limit was reached before the end.
     this.end = this.followed || !duration ? rows[0].kernel.time : duration;
     shareForces(scales);
     scales.magnify = this.data.magnify ?? magnified(scales, this.data.length);
     return scales;
   }
 
-  // Advance by `seconds` of wall time, or less if the computation takes too long.
+  // Advance the motion by `seconds` of wall time. Advance it by less if the computation takes too long.
   advance(seconds) {
     this.forget();
     this.due += Math.min(seconds, LONGEST) * STORY.frameRate;
@@ -142,14 +144,15 @@ class Live {
     this.sinceKept = 0;
   }
 
-  // Discard the states after the current one, because the motion continues from there or is changed.
+  // Discard the states after the current one. They are invalid if the motion is continued or changed at this time.
   forget() {
     if (this.shown >= this.count - 1) return;
     this.count = this.shown + 1;
     this.branch += 1;
   }
 
-  // Go to another time. It is restored from the stored states, or computed in parts, one per call. Return true when it is reached.
+  // Move to another time. The state is restored from the stored states, or computed in parts, one part per call. Return true when the time
+  // is reached.
   go(time) {
     if (time <= this.timeOf(this.count - 1)) { this.restore(this.numberAt(time)); return true; }
     this.restore(this.count - 1);
@@ -159,7 +162,7 @@ class Live {
     return this.time >= end;
   }
 
-  // Return the number of the last stored state at or before `time`, or of the first one.
+  // Return the number of the last stored state at or before `time`. If there are only later states, return the number of the first one.
   numberAt(time) {
     let low = this.first, high = this.count - 1;
     while (low < high) {
@@ -175,24 +178,24 @@ class Live {
     this.sinceKept = this.apartFor = 0;
   }
 
-  // Go one stored state forwards or backwards.
+  // Move one stored state forwards or backwards.
   step(direction) {
     if (direction > 0 && this.shown >= this.count - 1) { for (let k = 0; k < FRAMES_KEPT; k++) this.next(); this.keep(); }
     else this.restore(Math.min(Math.max(this.shown + direction, this.first), this.count - 1));
   }
 
-  // Change rows by hand. The later states are discarded.
+  // Change the rows by hand with `edit`. The later states are discarded.
   change(edit) {
     this.forget();
     edit();
     this.touched = true;
     this.apartFor = 0;
-    this.setPace(this.pace); // Update the number of steps to the present laws.
+    this.setPace(this.pace); // The number of time steps depends on the current contact laws.
   }
 
   values(lane) { return this.rows[lane].read(this.nows[lane]); }
 
-  // Return the state of a row at the largest force that the run ahead has found.
+  // Return the state of a row at the largest force of the motion that was computed in advance.
   peak(lane) {
     const row = this.rows[lane], now = emptyNow(row.kernel.n);
     this.aside(row, () => {
@@ -203,7 +206,7 @@ class Live {
     return now;
   }
 
-  // Visit at most `most` of the stored states of a row by calling `visit(time, now)`.
+  // Call `visit(time, now)` for the stored states of a row, at most `most` times.
   each(lane, most, visit) {
     const row = this.rows[lane], every = Math.ceil((this.count - this.first) / most);
     this.aside(row, () => {
@@ -214,7 +217,7 @@ class Live {
     });
   }
 
-  // Do some work that moves a row, and return it to its present state.
+  // Do some work that moves a row. Restore the current state of the row afterwards.
   aside(row, work) {
     const present = new Float64Array(row.width);
     row.keep(present, 0);
@@ -222,8 +225,8 @@ class Live {
     row.restore(present, 0);
   }
 
-  // Pass times and values of a lane to a chart by calling `visit(time, array, index of the first value)`, at most `most` times. The first
-  // call is for `since`, the time up to which the chart knows the values.
+  // Pass times and values of a lane to a chart by calling `visit(time, array, index of the first value)`, at most `most` times. The chart
+  // already knows the values up to the time `since`, which is the time of the first call.
   trace(lane, channel, most, since, visit) {
     const row = this.rows[lane], { n } = row.kernel, from = HEAD + (channel === "velocity" ? 3 * n : 2 * n), kept = this.kept[lane];
     const every = Math.max(1, Math.ceil((this.count - this.first) / most)), end = this.count - 1, begin = Math.max(this.first, this.numberAt(since));
@@ -234,7 +237,7 @@ class Live {
   }
 }
 
-// Return the axes before any motion.
+// Return the axes before the motion is computed.
 function startScales(data, rows) {
   const speed = Math.max(...rows.map((row) => row.spec.speed));
   const scales = { window: [Infinity, -Infinity], velocity: [0, 0], force: rows.map(() => 0), pull: 0, energy: 0, momentum: [0, 0], magnify: 1,
@@ -245,7 +248,8 @@ function startScales(data, rows) {
   return scales;
 }
 
-// Enlarge the axes of `scales` so that they contain `now`, with a margin of `spare` of their length. Return true if they have changed.
+// Enlarge the axes of `scales` to contain the state `now`. The margin is the fraction `spare` of the length of an axis. Return true if the
+// axes have changed.
 function widened(scales, lane, mass, now, length, spare) {
   const last = now.position.length - 1, factor = 1 + spare;
   let grown = false, energy = now.stored + now.absorbed, left = 0, right = 0;
@@ -272,14 +276,15 @@ function widened(scales, lane, mass, now, length, spare) {
   return grown;
 }
 
-// Use a common force axis for all lanes, unless the bars of one lane would become too low.
+// Use a common force axis for all lanes, unless the force bars of a lane would become too low.
 function shareForces(scales) {
   const most = Math.max(...scales.force), least = Math.min(...scales.force.filter((force) => force > 0), most);
   scales.force = scales.force.map((force) => (most < READABLE * least ? most : force) || 1e-12);
 }
 
-const READABLE = 3; // Largest ratio of two force axes up to which they become one.
-const DRAWN_OVERLAP = 0.22, MOST_MAGNIFIED = 1e6; // Largest overlap on screen in lengths of a bead, and largest magnification; as in films.
+const READABLE = 3; // Largest ratio of the force axes of two lanes at which they share one axis.
+// Largest drawn overlap in lengths of a bead, and largest magnification of overlaps. Films use the same values.
+const DRAWN_OVERLAP = 0.22, MOST_MAGNIFIED = 1e6;
 
 function magnified(scales, length) {
   const deepest = Math.max(...scales.deepest.flat()), wanted = deepest > 0 ? DRAWN_OVERLAP * length / deepest : 1;

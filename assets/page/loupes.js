@@ -1,12 +1,13 @@
-// Loupes: each contact has a separate magnification, because overlaps of neighbouring contacts differ by orders of magnitude.
+// Loupes (magnified insets). Each contact has a separate magnification, because the overlaps of neighbouring contacts differ by orders of
+// magnitude.
 
-// Smallest distance of loupes with their text at the side, and with the text below, which is used if not all loupes fit otherwise.
+// Smallest distance of two loupes with text at the side, and with text below. The text is below only if the loupes do not fit otherwise.
 const LOUPE_PITCH = 196, NARROW_PITCH = 86;
-const GREATEST_DEPTH = 1.05; // Largest overlap on screen, in radii of the loupe.
+const GREATEST_DEPTH = 1.05; // Largest drawn overlap in radii of the loupe.
 
-// Return the layout of the loupes of a lane. If they do not all fit, they begin with the contact of the largest overlap, unless the
-// `contacts` to show are given. A `brief` text below a loupe omits the name of its contact,
-// and `small` loupes fit into a low window.
+// Return the layout of the loupes of a lane. `contacts` are the contacts to show. Without `contacts`, and if there is not enough space, the
+// loupes begin with the contact of the largest overlap. A `brief` text below a loupe omits the name of its contact. `small` loupes fit into
+// a low window.
 function loupeRow(motion, width, contacts = null, brief = false, small = false) {
   const wanted = contacts?.length ?? motion.contacts, narrow = brief || width < LOUPE_PITCH * Math.max(wanted, 3);
   const pitch = narrow ? NARROW_PITCH : LOUPE_PITCH, room = Math.max(1, Math.floor(width / pitch)), deepest = motion.deepest;
@@ -66,7 +67,7 @@ function loupe(pen, view, k, depth, x, y, radius) {
   pen.stroke();
 }
 
-// Draw cylinder head, piston and the opposite face. Dashes mark the face of the piston at overlap 0.
+// Draw the cylinder head, the piston and the opposite face of a draft gear. A dashed line marks the face of the piston at overlap 0.
 function gearLoupe(pen, theme, left, right, depth, x, y, r) {
   const box = (colour, from, to, half) => { pen.fillStyle = colour; pen.fillRect(from, y - half, to - from, 2 * half); };
   const head = x - 0.75 * r, face = x + 0.45 * r, pushed = face - Math.max(depth, 0), other = face - depth;

@@ -1,16 +1,16 @@
-// Numbers as text, as in the window and in films: a true minus sign, powers of ten with superscripts.
+// Numbers as text, as in the window and in films. They have a true minus sign, and powers of ten have superscripts.
 
 const raised = (text) => text.replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
 const lowered = (text) => text.replace(/[-0-9]/g, (sign) => "₋₀₁₂₃₄₅₆₇₈₉"["-0123456789".indexOf(sign)]);
 
-const numberForm = { mark: "." }; // Decimal mark of the reader's language.
+const numberForm = { mark: "." }; // Decimal mark in the language of the reader.
 
 function fixed(value, decimals) {
   const text = value.toFixed(decimals);
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−").replace(".", numberForm.mark);
 }
 
-// Return `value` with `digits` decimals times a power of ten; between 0.01 and 1000 without the power.
+// Return `value` as a number with `digits` decimals times a power of ten. Values from 0.01 to 1000 are written without the power.
 function scientific(value, digits = 1) {
   if (value === 0 || !Number.isFinite(value)) return value === 0 ? "0" : "?";
   const size = Math.abs(value);
@@ -25,11 +25,12 @@ function factorText(value) {
   return `×${scientific(value, 0).replace(/^1·/, "")}`;
 }
 
-// Return `value` with that many significant digits and no trailing zeros. Tiny values get a power of ten, as in sandbox/story/numbers.py.
+// Return `value` with `digits` significant digits and no trailing zeros. Tiny values are written with a power of ten, as in
+// sandbox/story/numbers.py.
 const plain = (value, digits) => (value !== 0 && Math.abs(value) < 1e-4 ? scientific(value, digits - 1)
   : String(Number(value.toPrecision(digits))).replace("-", "−").replace(".", numberForm.mark));
 
-// Write a length [m] with a unit that leaves few digits: m, cm, mm, µm or nm; below, a power of ten.
+// Write a length [m] with a unit that needs few digits: m, cm, mm, µm or nm. Smaller lengths are written with a power of ten.
 function lengthText(value, digits) {
   const [size, unit] = [[1, "m"], [1e-2, "cm"], [1e-4, "mm"], [1e-7, "µm"], [1e-10, "nm"]].find(([least]) => value >= least) ?? [0, ""];
   if (!size) return value > 0 ? `${scientific(value, digits - 1)}\u00a0m` : "0";
@@ -37,12 +38,12 @@ function lengthText(value, digits) {
   return `${plain(scaled, Math.max(digits, Math.floor(Math.log10(scaled)) + 1))}\u00a0${unit}`;
 }
 
-// Simple fractions, from which an explanation takes the nearest one.
+// Simple fractions such as 3/4. A sentence that explains a force uses the nearest one.
 const FRACTIONS = [[1, 1], [4, 5], [3, 4], [2, 3], [3, 5], [1, 2], [2, 5],
   ...[3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 20, 25, 30, 40, 50].map((under) => [1, under])];
 const LEAST_SHARE = 0.01; // Smallest share that is not written as 0.
 
-// Write a share of 1 as the nearest simple fraction.
+// Write a share (0 to 1) as the nearest simple fraction.
 function shareText(share) {
   if (share < LEAST_SHARE) return "0";
   const off = (one) => Math.abs(Math.log(share * one[1] / one[0]));
@@ -50,7 +51,7 @@ function shareText(share) {
   return under === 1 ? String(over) : `${over}/${under}`;
 }
 
-// Join words as in "1, 2 and 3" in the language of the reader.
+// Join words to a list such as "1, 2 and 3" in the language of the reader.
 function listed(words) {
   const { lang } = document.documentElement;
   return new Intl.ListFormat(lang === "en" ? "en-GB" : lang).format(words);
@@ -67,13 +68,14 @@ function joules(value) {
 
 const contactName = (k) => lowered(k + 1 > 9 ? `${k}-${k + 1}` : `${k}${k + 1}`);
 
-// Return the largest of 1, 2, 5 times a power of ten that is at most `value`.
+// Return the largest round number that is at most `value`. Round numbers are 1, 2 or 5 times a power of ten.
 function roundDown(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return [10, 5, 2, 1, 0.5].map((k) => k * power).find((round) => round <= value * (1 + 1e-9));
 }
 
-// Return round values between `low` and `high`, in at most `most` steps, with distinct labels. Tiny and huge values get powers of ten.
+// Return round values between `low` and `high` with different labels. They divide the range into at most `most` steps. Tiny and huge values
+// have powers of ten.
 function ticksOf(low, high, most) {
   const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= rough * (1 - 1e-9)) ?? 10 * power;

@@ -1,21 +1,21 @@
-// The page: its controls, its clock, and the drawing of the motion of its source.
+// The page. It contains the controls, the clock, and the drawing of the motion of a source.
 
-const TEXT_RATE = 8; // Updates per second of texts and tables while the motion plays.
-const WATCHED = 60; // Number of pictures whose median interval decides if pictures are late.
-const LATE = 22; // Interval between two pictures, in milliseconds, above which they are late.
-const SOONER = 0.8; // Relative interval below which fewer pixels count as an improvement.
+const TEXT_RATE = 8; // Number of updates of texts and tables per second while the motion is playing.
+const WATCHED = 60; // Number of pictures from which the median interval between two pictures is computed.
+const LATE = 22; // Smallest median interval between two pictures, in milliseconds, at which the pictures count as late.
+const SOONER = 0.8; // Largest ratio of the intervals with fewer and with all pixels at which fewer pixels count as an improvement.
 const SLIDER = 1000; // Number of positions of the time slider.
-// Height [px] below which the window is too low for beads that stay in sight above scrolling settings, as in page.css.
+// Height of the window [px] below which the beads scroll with the settings. Above it, the beads stay visible. page.css has the same value.
 const SHORT = 560;
-const NARROW = 640; // width [px] below which the settings are below the beads, as in page.css
+const NARROW = 640; // width of the window [px] below which the settings are below the beads, as in page.css
 const BAR_HEIGHT = 116; // height [px] of the transport bar and of the space between two rows
 const LEAST_ROW = 110; // smallest height [px] of a row of beads
 const LANE_SPACE = 9; // height [px] of the space below a row
-// Heights [px] of a row with magnifiers below which their texts are brief, and below which they are small.
+// Heights [px] of a row with magnifiers. Below the first height, the texts are brief. Below the second height, the magnifiers are small.
 const LOW_ROW = 240, LOWEST_ROW = 170;
-const LEAST_GHOST = 0.2; // Smallest part of a run whose curves remain as ghosts of the previous run.
-const GHOST_POINTS = 200; // Largest number of points of such a curve.
-const PULLED = 0.3; // Distance by which a key pulls the hand, in lengths of a bead.
+const LEAST_GHOST = 0.2; // Smallest fraction of a run after which its curves are kept as grey curves of the previous run.
+const GHOST_POINTS = 200; // Largest number of points of a grey curve of the previous run.
+const PULLED = 0.3; // Distance by which one key press pulls the hand, in lengths of a bead.
 const part = (id) => /** @type {any} */ (document.getElementById(id));
 
 class Page {
@@ -24,15 +24,15 @@ class Page {
     this.data = data;
     this.source = source;
     this.why = why;
-    this.asked = ""; // fragment that the page was opened with; empty after a change by hand
+    this.asked = ""; // fragment of the address with which the page was opened; empty after a change by the user
     /** @type {Experiment} */ this.own = data.own && { ...data.own, shown: [...data.own.shown] };
     this.limits = source.live ? limitsOf(data, this.own) : {};
-    if (data.uniform) { // Soft and steel rows appear side by side at first.
+    if (data.uniform) { // At first, a row of soft beads and a row of steel balls are shown side by side.
       const kinds = compared(data, this.own, this.own);
       if (kinds.length > 1) this.own.beside = contrastTo(kinds);
     }
     this.playing = false;
-    this.asking = false; // true while the question waits for an answer
+    this.asking = false; // true while the page waits for an answer to the question
     this.guess = ""; // answer of the user, one of GUESSES
     /** @type {number[][]|null} */ this.after = null; // velocities of the rows after the collision, once they are known
     /** @type {Now[]|null} */ this.peaks = null; // states of the rows at their largest forces while they are explained
@@ -42,19 +42,19 @@ class Page {
     this.textsAt = 0;
     this.firstWindow = 0;
     /** @type {{lane: number, bead: number}|null} */ this.chosen = null;
-    this.unseen = new WeakSet(); // canvases scrolled out of sight, which are not drawn while the motion plays
+    this.unseen = new WeakSet(); // canvases that are scrolled out of sight; they are not drawn while the motion is playing
     this.sight = new IntersectionObserver((changes) => {
       for (const { target, isIntersecting } of changes) this.unseen[isIntersecting ? "delete" : "add"](target);
     });
     this.most = Infinity; // Largest number of canvas pixels per pixel of the page.
     this.waits = []; // Intervals between pictures in milliseconds.
-    this.late = null; // Median interval when fewer pixels were tried; 0 after the decision.
+    this.late = null; // Median interval at the time when fewer pixels were tried. It is 0 after the decision.
     this.specs = data.lanes.map((lane) => lane.spec);
     this.open();
     listen(this);
   }
 
-  // Start the experiment of an address. If it has a question, wait for the answer.
+  // Start the experiment that an address describes. If the experiment has a question, wait for the answer.
   open(fragment = location.hash) {
     const moment = addressMoment(fragment);
     if (this.playing) this.pause();
@@ -68,12 +68,13 @@ class Page {
     this.restart();
     this.asked = fragment;
     this.notify();
-    this.asking &&= !this.texts.question && Boolean(leadWords(this.specs)); // The answers fit only the question of the page.
+    // The possible answers fit only the standard question of the page, not the question of a scene.
+    this.asking &&= !this.texts.question && Boolean(leadWords(this.specs));
     if (moment !== null) this.go(moment); else if (!this.asking && !reduced()) this.play();
     this.story();
   }
 
-  // Use settings of a host, named as in an address, on top of the present ones.
+  // Apply settings of the site that embeds the page. They are named as in an address. The other settings do not change.
   obey(settings, play) {
     const present = new URLSearchParams(this.write());
     for (const [key, value] of Object.entries(settings)) present.set(key.toLowerCase(), String(value));
@@ -82,7 +83,7 @@ class Page {
     if (play) this.play(); else if (play === false && this.playing) this.pause();
   }
 
-  // Show one line: the motion is a recording, and the entries of the address that the page cannot follow.
+  // Show one line with notices. They say that the motion is a recording, and list the entries of the address that the page cannot follow.
   notify() {
     const { source, why, asked } = this;
     const unmet = asked && unmetWishes(asked, this.data, this.experiment, source.open ? Infinity : source.last);
@@ -91,7 +92,7 @@ class Page {
     part("notice").hidden = !part("notice").textContent;
   }
 
-  // Return the initial states and laws of the rows of the experiment.
+  // Return the initial states and contact laws of the rows of the experiment.
   made() {
     const { data, experiment, own } = this, specs = data.lanes.map((_, lane) => specOf(data, lane, experiment, own));
     if (experiment.beside !== "none" && data.lanes.length === 1) specs.push(besideSpec(data, specs[0], experiment.beside));
@@ -109,7 +110,7 @@ class Page {
       source.go(source.begun);
     }
     data.scales = source.scales;
-    // Number of decimals of the clock.
+    // Number of decimals of the displayed time.
     this.decimals = Math.max(0, 2 - Math.floor(Math.log10((source.last - source.begun) / data.unit.size || 1)));
     this.firstWindow = 0;
     this.after = this.peaks = null;
@@ -151,7 +152,7 @@ class Page {
     const label = same && !compares ? this.texts.labels[lane] : lawName(spec.law);
     return { mass: spec.mass, contacts: n, body, label, massLabels: massLabels(spec.mass), gears, pulls: Boolean(whole && given.pulls),
       solid: whole && given.solid ? given.solid : Array.from({ length: n }, () => [null, null]),
-      marks: !source.touched && hasMarks(spec, data.length), // A throw by the user changes the initial clusters.
+      marks: !source.touched && hasMarks(spec, data.length), // If the user has thrown a bead, the initial clusters have changed.
       dissipative: source.live ? spec.friction > 0 || spec.loss.some((loss) => loss > 0) : given.dissipative,
       driven: Boolean(given?.driven), drive: spec.drive?.some(Boolean) ? spec.drive : null, strings: spec.strings, rest: restOf(spec.gap),
       deepest: this.source.scales.deepest[lane] };
@@ -167,7 +168,7 @@ class Page {
     this.theme = { ...currentTheme(data, Math.max(...looks.map(({ mass }) => mass.length))), density };
     if (peaks) this.dressPeaks(narrow); else {
       const room = this.room(), usual = two ? (narrow ? clamped(0.33 * high - 0.5 * BAR_HEIGHT, [LEAST_ROW, 150]) : 150) : 214;
-      // There is too little space for both.
+      // The window is too small for two rows with their bars of energy and momentum.
       const small = two && (narrow || room < usual + BARS_HEIGHT), most = two ? 330 : 460;
       const shown = small ? experiment.shown.filter((name) => name !== "balance") : experiment.shown;
       const free = room - (shown.includes("balance") ? BARS_HEIGHT : 0);
@@ -184,21 +185,21 @@ class Page {
       }
     }
     this.show(true, true);
-    const bench = part("bench"); // The bench stays visible above scrolling settings if it leaves enough of the window for them.
+    const bench = part("bench"); // The beads stay visible above the scrolling settings if enough of the window is left for the settings.
     bench.classList.remove("still");
     bench.classList.toggle("still", bench.offsetHeight > Number(getComputedStyle(bench).getPropertyValue("--share")) * high);
-    // A control that gets the focus is scrolled out from under the bench.
+    // A control that gets the focus is scrolled until it is not covered by the beads.
     document.documentElement.style.scrollPaddingTop = !beside && getComputedStyle(bench).position === "sticky" ? `${bench.offsetHeight}px` : "";
   }
 
-  // Return the height of the first screen that is left for each row between the story and the transport bar.
+  // Return the height that is available for each row. It is the height of the window between the story and the transport bar.
   room() {
     const top = part("lanes").getBoundingClientRect().top + window.scrollY, below = document.body.classList.contains("embed") && window.innerWidth < NARROW;
     const settings = below ? part("settings").offsetHeight : 0;
     return (window.innerHeight - top - part("transport").offsetHeight - settings) / this.looks.length - LANE_SPACE;
   }
 
-  // Fit the explanation into the window: each row with magnifiers, on its own scale, below the sentences.
+  // Fit the explanation into the window. Each row with magnifiers has its own scale and is below the sentences.
   dressPeaks(narrow) {
     const { data, looks, peaks, specs } = this, lanes = part("lanes"), room = this.room();
     this.stages.forEach((stage, lane) => {
@@ -209,7 +210,7 @@ class Page {
     });
   }
 
-  // Draw the current state, also the texts if `texts`, and also canvases outside the window if `whole`.
+  // Draw the current state. If `texts` is true, also update the texts. If `whole` is true, also draw canvases outside the window.
   show(texts, whole = !this.playing) {
     const { source, data, stages, chosen } = this, { hand } = source;
     const nows = this.peaks ?? stages.map((_, lane) => source.values(lane)), due = ({ canvas }) => whole || !this.unseen.has(canvas);
@@ -226,8 +227,8 @@ class Page {
     if (texts) this.tell(nows);
   }
 
-  // Enlarge the axes for unexpected values, and the ground up to four times its length. Beyond that, move the window with the beads if they
-  // fit into it.
+  // Enlarge the axes if values exceed them. The ground becomes at most four times as long. If the beads move farther, the ground moves with
+  // them, provided that they fit into it.
   widen(nows) {
     const { scales } = this.source, { window: [low, high] } = scales;
     this.firstWindow ||= high - low;
@@ -249,7 +250,7 @@ class Page {
     return changed;
   }
 
-  // Update the texts: time, outcome, energy and tables. Each change makes the browser lay out the page again.
+  // Update the texts: time, outcome, energy and tables. Each change of a text makes the browser lay out the page again.
   tell(nows) {
     const { source, specs, looks, data } = this, clock = this.clock(source.time);
     part("clock").textContent = clock;
@@ -280,7 +281,7 @@ class Page {
 
   clock(time) { return `t = ${fixed(time / this.data.unit.size, this.decimals)} ${this.data.unit.name}`; }
 
-  // Update the story above the beads: the question with its answers, the verdict, or the explanation of each row.
+  // Update the text above the beads. It is the question with its answers, the sentence about the guess, or the explanation of each row.
   story() {
     const { specs, looks, texts, source, after, peaks, guess } = this, m = strikersOf(specs[subjectOf(specs)]);
     const named = (lane) => (looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "");
@@ -293,14 +294,14 @@ class Page {
     part("explain").setAttribute("aria-pressed", String(peaks !== null));
   }
 
-  // Store the answer to the question and start.
+  // Store the answer to the question and start the motion.
   answer(kind) {
     this.guess = kind;
     this.play();
     part("toggle").focus({ preventScroll: true });
   }
 
-  // Stop each row at its largest force and explain it, or go on.
+  // Stop the motion of each row at its largest force and explain it. If this has happened already, continue the motion.
   reveal() {
     if (this.peaks) { this.leave(); return; }
     if (this.playing) this.pause();
@@ -312,7 +313,7 @@ class Page {
     this.dress();
   }
 
-  // End the question or the explanation, because the motion goes on.
+  // Hide the question or the explanation, because the motion continues.
   leave() {
     if (!this.peaks && !this.asking) return;
     this.peaks = null;
@@ -320,7 +321,7 @@ class Page {
     this.dress();
   }
 
-  // Describe the energy of a row: total, absorbed part, digits of the balance, and work of the hand.
+  // Describe the energy of a row. The text contains the total, the absorbed part, the digits of the balance, and the work of the hand.
   ledger(row, lane) {
     const { looks, source, data } = this, { absorbed } = row.kernel, lost = absorbed[0] + absorbed[1];
     const name = looks.length > 1 && looks[lane].label ? `${looks[lane].label}: ` : "", parts = [say("energy", { value: joules(row.energy()) })];
@@ -342,7 +343,7 @@ class Page {
     this.next();
   }
 
-  // Request the next picture. Only one request is pending at a time, even after a pause shorter than a picture.
+  // Request the next picture. Only one request is pending at a time, even after a pause that is shorter than a picture.
   next() { this.due = requestAnimationFrame((now) => this.picture(now)); }
 
   pause() {
@@ -379,7 +380,7 @@ class Page {
     this.next();
   }
 
-  // If pictures are late, draw fewer pixels. If this does not help, the screen itself is slow, so draw all pixels again.
+  // If the pictures are late, draw fewer pixels. If this does not help, the display itself is slow, and all pixels are drawn again.
   spare(wait) {
     if (this.waits.push(wait) < WATCHED) return;
     const usual = this.waits.sort((a, b) => a - b)[WATCHED >> 1], { most } = this;
@@ -389,7 +390,7 @@ class Page {
     if (this.most !== most) this.dress();
   }
 
-  // Go to another time. A distant time is reached picture by picture, unless the user plays or pauses.
+  // Move to another time. A distant time is reached in the course of several pictures, unless the user plays or pauses the motion.
   go(time) {
     this.leave();
     if (this.playing) this.pause();
@@ -413,7 +414,7 @@ class Page {
     this.play();
   }
 
-  // Move the hand to the pointer. Its position is given in metres, as for the bead.
+  // Move the hand to the pointer. The position of the hand is given in metres, like the position of a bead.
   follow() {
     const { hand } = this.source;
     if (!hand || hand.across === null) return;
@@ -435,7 +436,7 @@ class Page {
     this.play();
   }
 
-  // Apply an edit. A change of the row starts the motion again, with the curves of the previous run behind the new ones.
+  // Apply an edit. If the edit changes a row, the motion starts again. The curves of the previous run are shown behind the new curves.
   edit(name, value) {
     const { source, experiment, data, own } = this;
     experiment[name] = value;
@@ -456,7 +457,8 @@ class Page {
     this.writing = setTimeout(() => this.write(), 250);
   }
 
-  // Keep the curves of the present run as ghosts, if it is long enough to be seen. A dragged slider keeps those before the drag.
+  // Keep the curves of the current run as grey curves if the run is long enough. While a slider is dragged, the curves from before the drag
+  // are kept.
   haunt() {
     const { source } = this;
     if (source.time - source.begun < LEAST_GHOST * (source.last - source.begun)) return;
@@ -499,19 +501,20 @@ class Page {
     }
   }
 
-  // Show the title, source, question and text of the scene. For a changed row, show a title with the changes and a note as the text.
+  // Show the title, source, question and text of the scene. If a row has been changed, show a title with the changes and a note instead of
+  // the text.
   explain() {
     const { data, experiment, own, texts } = this, other = (name) => differs(data, experiment, own, name), changed = MADE.some(other);
     const counted = data.uniform && ["law", "strikers", "targets"].some(other), { title } = texts;
     const now = !changed ? title : counted ? say("changed from", { now: countedTitle(experiment), title }) : say("changed", { title });
     part("title").textContent = document.title = now;
     part("source").textContent = changed ? "" : texts.source;
-    // Keep the height of the text, so that no slider moves away from under a finger.
+    // The height of the text is kept. Otherwise a slider could move away from under a finger.
     if (changed) part("text").style.minHeight = `${part("text").offsetHeight}px`;
     part("text").textContent = changed ? say("other numbers") : texts.text;
   }
 
-  // Update the controls to the experiment.
+  // Update the controls to show the settings of the experiment.
   controls() {
     const { experiment, limits, source, data, own } = this;
     part("pace").value = String(experiment.pace);
@@ -538,11 +541,12 @@ class Page {
 
 const MADE = ["law", "alpha", "strikers", "targets", "speed", "friction", "loss"]; // settings that change the row of the scene
 
-// Exponents that the slider offers: unit fractions for soft beads, tenths up to steel.
+// Exponents that can be chosen with the slider. They are unit fractions for soft beads, and tenths up to the exponent of steel.
 const ALPHAS = [...[40, 35, 30, 25, 20, 18, 16, 14, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2.5, 2].map((under) => 1 / under),
   0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.4, 1.5];
 
-// Sliders: positions 0 to `most`, or the limits of a whole number; conversion of a value to a position and back; text of a value.
+// Properties of the sliders: the largest position or the limits of a whole number, the conversion of a value to a position and back, and
+// the text of a value.
 const whole = { to: (value) => value, from: (place) => place, text: String };
 const steps = (most) => ({ most, to: (value, [low, high]) => most * (value - low) / (high - low),
   from: (place, [low, high]) => Number((low + place / most * (high - low)).toPrecision(12)) });
@@ -568,20 +572,20 @@ function lawKind(law) {
 
 const lawName = (law) => say(`law ${lawKind(law)}`, { alpha: alphaText(law[2]) });
 
-// Return true if every body that can move weighs as much as a wagon.
+// Return true if all bodies that can move are at least as heavy as wagons.
 const isTrain = (masses) => masses.every((mass) => mass === null || mass >= HEAVY);
 
 // Write a number of bodies as a word, or as digits above twelve.
 const countWord = (n) => say("count").split(" ")[n - 1] ?? String(n);
 const countedTitle = ({ strikers, targets }) => capital(say(strikers > 1 ? "many on" : "one on", { m: countWord(strikers), n: countWord(targets) }));
 
-// Return true if forces of rigid clusters can be marked: there is a cluster of two beads and a contact at which it is struck.
+// Return true if forces of rigid clusters can be marked. This requires a cluster of two beads and a contact at which the cluster is struck.
 function hasMarks({ gap, velocity, speed }, length) {
   const ends = gap.map((wide, k) => wide > LEAST_GAP * length || Math.abs(velocity[k] - velocity[k + 1]) > ALIKE * speed);
   return ends.length > 1 && ends.includes(true) && ends.includes(false);
 }
 
-// Return the colours of the style sheet for the light or dark theme. A long row has a separate colour ramp.
+// Return the colours of the light or dark theme from the style sheet. A long row has a separate range of colours.
 function currentTheme(data, beads) {
   const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(`--${name}`).trim();
   const dark = matchMedia("(prefers-color-scheme: dark)").matches && !matchMedia("print").matches, few = beads <= data.fewBeads;

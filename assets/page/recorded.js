@@ -1,7 +1,7 @@
-// The recorded source: packed samples of a motion. Values between two samples are interpolated linearly.
+// The recorded source. It contains packed samples of a motion. Values between two samples are interpolated linearly.
 
-const LARGEST_CODE = 32767; // Largest code of a velocity or force.
-const SHOWN_RATE = 240; // Number of steps in which a whole motion can be stepped through.
+const LARGEST_CODE = 32767; // Largest integer code of a velocity or force.
+const SHOWN_RATE = 240; // Number of steps with which the user can step through the complete motion.
 
 class Recorded {
   /** @param {any} data of the page, each of whose lanes has a `recorded` motion */
@@ -54,14 +54,14 @@ class Recorded {
     return now;
   }
 
-  // Visit at most `most` samples of a lane by calling `visit(time, now)`.
+  // Call `visit(time, now)` for the samples of a lane, at most `most` times.
   each(lane, most, visit) {
     const motion = this.motions[lane], every = Math.ceil(motion.time.length / most), now = emptyNow(motion.contacts);
     for (let row = 0; row < motion.time.length; row += every) visit(motion.time[row], valuesAt(motion, motion.time[row], now));
   }
 
-  // Pass times and values of a lane up to the current time to a chart, as the live source does. All samples are used, because there are
-  // few.
+  // Pass the times and values of a lane up to the current time to a chart, like the live source. All samples are passed, because there are
+  // only a few.
   trace(lane, channel, _most, since, visit) {
     const motion = this.motions[lane], { [channel]: columns } = motion, begin = Math.max(since, this.begun);
     const at = (time) => visit(time, Float64Array.from(valuesAt(motion, time, this.nows[lane])[channel]), 0);
@@ -112,7 +112,8 @@ function valuesAt(motion, time, now) {
   return now;
 }
 
-// Return the sample at or before `time`, and the position of `time` between this sample and the next one, from 0 to 1.
+// Return the number of the last sample at or before `time`. Also return the position of `time` between this sample and the next one, from 0
+// to 1.
 function placeOf(times, time) {
   let low = 0, high = times.length - 1;
   if (time >= times[high]) return { row: high, share: 0 };

@@ -1,13 +1,15 @@
-// A moving row of beads: its laws, its energy balance, and the hand that pulls a bead.
+// A row of beads that moves. The module contains its contact laws, its energy balance, and the hand that pulls a bead.
 
 const GRAVITY = 9.80665; // Gravitational acceleration in m/s².
-const STRUCK = 0.2; // Fraction of the closing speed above which a closing contact counts as struck, so that a cluster ends there.
-const ALIKE = 1e-6; // Fraction of the closing speed below which the initial velocities of neighbours count as equal.
-const FLOWN = 20; // Factor by which a frame of a row on strings may have more steps: the steps between contacts are done in one go.
-const HEAD = 8; // Numbers in a stored state before its lists.
+// Smallest speed at which a closing contact counts as struck, as a fraction of the closing speed. A rigid cluster ends at a struck contact.
+const STRUCK = 0.2;
+// Largest difference between the initial velocities of neighbours that count as equal, as a fraction of the closing speed.
+const ALIKE = 1e-6;
+const FLOWN = 20; // Factor by which a frame of a row on strings may have more time steps. The steps without contact are computed together.
+const HEAD = 8; // Number of values in a stored state before its lists.
 
 /**
- * The initial state and the laws of a row; masses, gaps and velocities from left to right.
+ * The initial state and the contact laws of a row. Masses, gaps and velocities are listed from left to right.
  * @typedef {{mass: (number|null)[], gap: number[], velocity: number[], law: number[], loss: number[], friction: number,
  *   drive: number[]|null, speed: number, swing: number, strings: number|null}} Spec
  */
@@ -20,18 +22,18 @@ class Row {
     this.kernel = new Kernel(instance, sizes, n, weights.indexOf(Math.max(...weights)));
     this.kernel.inverseMass.set(weights.map((mass) => 1 / mass));
     this.mass = weights.map((mass) => (mass === Infinity ? 0 : mass));
-    // The balance does not include the work of a moving wall.
+    // The energy balance does not include the work of a moving wall.
     this.balanced = !spec.mass.some((mass, k) => mass === null && spec.velocity[k]);
     this.position = new Float64Array(n + 1);
     this.velocity = new Float64Array(n + 1);
     this.before = new Float64Array(n + 1);
     this.rateBefore = new Float64Array(n);
     this.wasClosed = new Uint8Array(n);
-    this.ends = new Uint8Array(n); // 1 for contacts at which a cluster ends because it was struck there.
+    this.ends = new Uint8Array(n); // The value is 1 for a contact at which a cluster ends because the contact was struck.
     this.begin();
   }
 
-  // Return to the start.
+  // Reset the row to its initial state.
   begin() {
     const { kernel, spec, mass } = this, { n, anchorBead } = kernel;
     kernel.law.set(spec.law);
@@ -52,7 +54,7 @@ class Row {
     kernel.time = 0;
     for (let i = 0; i < n; i++) this.ends[i] = Math.abs(kernel.rate[i]) > ALIKE * spec.speed ? 1 : 0;
     this.begun = this.energy();
-    this.given = this.driven = this.still = 0; // Work of the hand, work of the drive, and number of frames without motion.
+    this.given = this.driven = this.still = 0; // Work of the hand, work of the drive, and number of frames in which nothing moved.
   }
 
   lawForce(i) {
@@ -73,7 +75,7 @@ class Row {
     return sum + this.hanging();
   }
 
-  // Return the energy of beads on strings, relative to their places of rest.
+  // Return the potential energy of beads on strings, relative to their positions at rest.
   hanging() {
     const { kernel, mass, place } = this, { swing } = kernel;
     if (!swing) return 0;
@@ -81,13 +83,14 @@ class Row {
     return mass.reduce((sum, m, j) => sum + 0.5 * swing * m * (position[j] - place[j]) ** 2, 0);
   }
 
-  // Return the error of the energy balance relative to the initial energy and the external work since.
+  // Return the error of the energy balance, relative to the sum of the initial energy and the external work.
   energyError() {
     const wanted = this.begun + this.given + this.driven;
     return Math.abs(this.energy() - wanted) / Math.max(Math.abs(wanted), this.begun, Number.MIN_VALUE);
   }
 
-  // Return the number of steps per frame of `duration` for these laws at the closing speed, as chosen in the window.
+  // Return the number of time steps in a frame of `duration` [s]. It depends on the contact laws and the closing speed. The window uses the
+  // same rule.
   stepsOf(duration) {
     const { n, law, inverseMass } = this.kernel, { speed } = this.spec;
     let shortest = Infinity;
@@ -100,7 +103,7 @@ class Row {
   }
 
   /**
-   * Advance by one frame. The pull of the hand is constant during the frame.
+   * Advance the row by one frame. The force of the hand is constant during the frame.
    * @param {number} duration of the frame [s]
    * @param {number} steps to the frame
    * @param {number} slow seconds of wall time per second of the motion
@@ -132,7 +135,7 @@ class Row {
     }
   }
 
-  // Return the force of the hand's spring, which is critically damped.
+  // Return the force of the spring between the hand and a bead. The spring is critically damped.
   pull({ bead, place }, slow) {
     const { kernel } = this, frequency = STORY.handFrequency * slow, reach = 2 * STORY.handSpeed * this.spec.speed / frequency;
     kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity);
@@ -140,7 +143,7 @@ class Row {
     return (frequency * frequency * stretch - 2 * frequency * this.velocity[bead]) * this.mass[bead];
   }
 
-  // Throw a bead: give it another velocity at once, by external work.
+  // Throw a bead by giving it another velocity at once. The change of its energy counts as external work.
   throwBead(bead, velocity) {
     const { kernel } = this, before = this.energy(), change = velocity - kernel.rebuilt(kernel.rate, kernel.anchor[1], this.velocity)[bead];
     if (bead > 0) kernel.rate[bead - 1] -= change;
@@ -150,24 +153,25 @@ class Row {
     this.still = 0;
   }
 
-  // True if no contact is closed or can close, or if nothing moves any more. A single frame without motion may be a turning point.
+  // True if no contact is closed or can close, or if all beads are at rest. A single frame without motion is not sufficient, because it may
+  // be a turning point.
   get apart() {
     const { n, overlap, rate, force } = this.kernel, least = STORY.atRest * this.spec.speed;
-    if (this.spec.swing) return false; // Beads on strings meet again.
+    if (this.spec.swing) return false; // Beads on strings meet again after they have separated.
     if (this.still > 1) return true;
-    // A moving wall catches up with beads that the bed has stopped.
+    // A moving wall can reach beads that friction has stopped.
     if (this.spec.drive || (this.spec.friction > 0 && !this.balanced)) return false;
     for (let i = 0; i < n; i++) if (force[i] > 0 || overlap[i] > 0 || rate[i] > least) return false;
     return true;
   }
 
-  // Time [s] until friction stops a row whose beads have separated; 0 without friction.
+  // Time [s] until friction stops a row whose beads have separated. It is 0 without friction.
   get sliding() {
     const { friction } = this.spec, fastest = Math.max(...this.velocity.map((v, k) => (this.mass[k] ? Math.abs(v) : 0)));
     return friction > 0 && this.still < 2 ? fastest / (friction * GRAVITY) : 0;
   }
 
-  /** Write the values for drawing to `now`. @param {Now} now */
+  /** Write the values that are needed for drawing to `now`. @param {Now} now */
   read(now) {
     const { kernel } = this, { n, overlap, force, absorbed } = kernel;
     kernel.rebuilt(overlap, kernel.anchor[0], now.position);
@@ -185,8 +189,8 @@ class Row {
     return now;
   }
 
-  // Length of a stored state. The HEAD contains time, external work, work of the drive, frames at rest, anchor and absorbed energy;
-  // overlaps, rates, forces, velocities and ends of clusters follow.
+  // Number of values in a stored state. The first HEAD values are time, external work, work of the drive, frames at rest, anchor and
+  // absorbed energy. The lists of overlaps, rates, forces, velocities and ends of clusters follow.
   get width() { return 5 * this.kernel.n + HEAD + 1; }
 
   keep(into, at) {
@@ -199,7 +203,7 @@ class Row {
     into.set(this.ends, begin + 4 * n + 1);
   }
 
-  // Return to a stored state.
+  // Restore a stored state.
   restore(from, at) {
     const { kernel } = this, { n } = kernel, begin = at + HEAD, list = (first, count) => from.subarray(first, first + count);
     [kernel.time, this.given, this.driven, this.still] = list(at, 4);

@@ -1,19 +1,22 @@
-// Share and hand in: the link with its QR code, the code for an embedding site, the table and the picture of a motion.
+// Sharing and handing in. The module creates the link with its QR code, the code for embedding the page, and the table and the picture of a
+// motion.
 
-const MOST_ROWS = 600, MOST_VALUES = 40000; // Largest number of times, and of values, of a table.
-const QR_MARGIN = 4, QR_MODULE = 4; // Width of the light margin in modules, and of a module in pixels.
+const MOST_ROWS = 600, MOST_VALUES = 40000; // Largest number of times in a table, and largest number of values in a table.
+const QR_MARGIN = 4, QR_MODULE = 4; // Width of the light margin of a QR code in modules, and width of a module in pixels.
 const FRAME = { width: 720, height: 420 }; // Size in pixels of an embedded page.
 
 const onWeb = () => /^https?:$/.test(location.protocol);
 
-// Return the address of the page with an entry added to its fragment. A file on this device has its name only.
+// Return the address of the page with an added entry in its fragment. For a file on this device, return the file name instead of the full
+// path.
 function addressWith(page, more) {
   const fragment = [page.write(), more].filter(Boolean).join("&");
   const place = onWeb() ? location.href.split("#")[0] : decodeURIComponent(location.pathname.split("/").at(-1));
   return place + (fragment && `#${fragment}`);
 }
 
-// Fill in and open the dialog. The path of a file on this device is useless to others, so only the fragment after its name is shown.
+// Write the texts of the dialog and open it. The path of a file on this device is useless to other people. Only the fragment after its name
+// is shown.
 function openShare(page) {
   const fragment = page.write(), link = onWeb() ? addressWith(page, "") : fragment && `#${fragment}`;
   const quoted = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;"), cell = location.protocol === "about:";
@@ -36,7 +39,7 @@ function openShare(page) {
 function drawModules(canvas, modules) {
   const pen = canvas.getContext("2d"), size = modules.length + 2 * QR_MARGIN;
   canvas.width = canvas.height = size * QR_MODULE;
-  pen.fillStyle = "#ffffff"; // Readers expect dark modules on a light ground in every theme.
+  pen.fillStyle = "#ffffff"; // QR code readers expect dark modules on a light background, whatever the theme is.
   pen.fillRect(0, 0, canvas.width, canvas.height);
   pen.fillStyle = "#000000";
   modules.forEach((row, y) => row.forEach((dark, x) => {
@@ -44,7 +47,7 @@ function drawModules(canvas, modules) {
   }));
 }
 
-// Copy the text of a field; if the clipboard is not available, select it.
+// Copy the text of a field to the clipboard. If the clipboard is not available, select the text.
 async function copyText(field, button) {
   try { await navigator.clipboard.writeText(field.value); } catch { field.select(); return; }
   button.textContent = say("copied");
@@ -52,8 +55,9 @@ async function copyText(field, button) {
 }
 
 /**
- * Return the played motion as a table (CSV): time, position, velocity and force of each bead, and the force of each contact, for each row.
- * The position is that of the left edge; the force on a bead is the sum of the forces of its contacts.
+ * Return the played motion as a table (CSV) with one line for each time. It contains the position, velocity and force of each bead, and the
+ * force of each contact. The position of a bead is the position of its left edge. The force on a bead is the sum of the forces of its
+ * contacts.
  * @param {Page} page
  */
 function csvOf(page) {
@@ -71,7 +75,7 @@ function csvOf(page) {
   return `${lines.map((line) => line.join(",")).join("\r\n")}\r\n`;
 }
 
-// Return the visible rows and graphs with the title and the story as a picture, as the address of its data.
+// Return a picture of the visible rows and graphs with the title and the text above the beads. It is returned as a data address.
 function pictureOf(page) {
   const { theme, stages, charts, experiment } = page, { density } = theme, edge = 16;
   const canvases = [...stages, ...(experiment.shown.includes("charts") ? charts : [])].map(({ canvas }) => canvas);
@@ -92,7 +96,7 @@ function pictureOf(page) {
   return pen.canvas.toDataURL("image/png");
 }
 
-// Break a text into lines that are at most `room` wide.
+// Return the lines of a text. Each line is at most `room` wide.
 function wrapped(pen, text, room) {
   return text.split(" ").reduce((lines, word) => {
     const longer = lines.length ? `${lines.at(-1)} ${word}` : word;

@@ -1,24 +1,26 @@
-// The stage: the beads of one lane on the ground, a force bar over each contact, loupes below, bars of energy and momentum.
+// The stage shows the beads of one lane on the ground and a force bar above each contact. Loupes and the bars of energy and momentum are
+// below.
 
-// Largest height of a bead, and smallest height if bars need space, as fractions of the drawing.
+// Largest height of a bead, and smallest height if the force bars need space. Both are fractions of the height of the drawing.
 const TALLEST_BEAD = 0.4, LEAST_BEAD = 0.22;
-const CAPTION = 22, CAPTIONS = 40; // Height of one line and of two lines of captions in pixels.
-// Distance in pixels from the captions to the highest bar, and from the tallest body to the axis of the bars.
+const CAPTION = 22, CAPTIONS = 40; // Heights in pixels of one line and of two lines of captions.
+// Distances in pixels: from the captions to the highest force bar, and from the tallest body to the axis of the bars.
 const BAR_NUMBER = 20, BAR_LIFT = 8;
-const LEAST_BAR = 18; // Smallest height of the highest bar in pixels; beads become smaller for it.
-// Distance in pixels from the ground line to the lower edge of the drawing; the second value is for low drawings.
+const LEAST_BAR = 18; // Smallest height in pixels of the force bar of the largest force. Beads become smaller to make space for it.
+// Distance in pixels between the ground line and the lower edge of the drawing. The second value is used for low drawings.
 const GROUND = 30, LOW_GROUND = 20;
-const LOW = 160; // Height in pixels below which a drawing has only one line of captions, so that the bars keep some space.
-const VISIBLE_FORCE = 0.01; // Fraction of the force axis below which a bar has neither a number nor a mark for rigid clusters.
-const PULL_RIM = 2.5; // Width in pixels of the rim of the hollow bar of a pulling force.
+// Height of the drawing in pixels below which there is only one line of captions. This leaves some space for the force bars.
+const LOW = 160;
+const VISIBLE_FORCE = 0.01; // Smallest force with a number or a mark for rigid clusters, as a fraction of the force axis.
+const PULL_RIM = 2.5; // Width in pixels of the outline of a hollow bar. A hollow bar shows a pulling force.
 const FORCE_MARGIN = 1.12; // Upper end of the force axis, relative to the largest force.
-const LEAST_GAP = 1e-9; // Gap, in lengths of a bead, below which neighbours count as touching.
-const EQUAL_MASSES = 1.02; // Ratio of masses up to which beads look equal and no masses are written.
-const HEAVY = 1e4; // Mass in kg from which masses are written in tonnes.
+const LEAST_GAP = 1e-9; // Largest gap, in lengths of a bead, at which neighbouring beads count as touching.
+const EQUAL_MASSES = 1.02; // Largest ratio of two masses at which the beads look equal and their masses are not written.
+const HEAVY = 1e4; // Smallest mass in kg that is written in tonnes.
 const BARS_HEIGHT = 46; // Height of the bars of energy and momentum in pixels.
-const LEAST_WIDTH = 200; // Smallest width in pixels; also the width of a hidden page.
+const LEAST_WIDTH = 200; // Smallest width of the stage in pixels. It is also the width in a hidden page.
 
-// Return a label for each bead if the masses differ visibly, otherwise an empty list.
+// Return a label with the mass of each bead. Return an empty list if all masses are nearly equal.
 function massLabels(mass) {
   const finite = mass.filter((m) => m !== null), greatest = Math.max(...finite), [size, unit] = greatest < HEAVY ? [1, "kg"] : [1e3, "t"];
   return greatest > EQUAL_MASSES * Math.min(...finite) ? mass.map((m) => (m === null ? say("wall") : `${plain(m / size, 3)} ${unit}`)) : [];
@@ -29,11 +31,11 @@ class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.pen = canvas.getContext("2d");
-    this.layer = document.createElement("canvas").getContext("2d"); // The layer keeps everything that does not change from frame to frame.
+    this.layer = document.createElement("canvas").getContext("2d"); // The layer contains everything that is the same in every frame.
   }
 
   /**
-   * Use another motion, size or theme.
+   * Use another motion, another size or another theme.
    * @param {any} motion constant properties: label, mass, massLabels, gears, solid, pulls, dissipative, contacts, deepest
    * @param {any} data of the page, with its `scales` @param {any} theme
    * @param {{tall: number, shown: string[], force: number, lenses?: any}} options height of the drawing of the beads, visible parts, force
@@ -86,7 +88,8 @@ class Stage {
     if (view.balance) balances(pen, view, data, now, view.tall + view.loupeFit.height);
   }
 
-  // Return the bead at a point of the canvas, or the nearest bead within the width of a finger, or -1.
+  // Return the number of the bead at a point of the canvas. For a finger, return the nearest bead within its width. Return -1 if no bead is
+  // near.
   beadAt(x, y) {
     const { view, edges } = this;
     if (y < view.ground - 1.6 * view.size - 24 - Math.max(...view.rises) || y > view.ground + 30) return -1;
@@ -101,7 +104,7 @@ class Stage {
   middle(bead) { return this.edges[bead] + this.view.size / 2; }
 }
 
-// Draw a ring around the bead that is held or chosen, and the string to the hand.
+// Draw a ring around the bead that is held or chosen. Draw a string from the held bead to the hand.
 function hold(pen, view, edge, across, rise) {
   const x = edge + view.size / 2, y = view.ground - view.size / 2 - rise;
   pen.strokeStyle = pen.fillStyle = view.theme.ink;
@@ -119,15 +122,15 @@ function hold(pen, view, edge, across, rise) {
   pen.fill();
 }
 
-// Return the positions of beads at rest, from the gaps between them.
+// Return the positions of beads at rest. They follow from the gaps between the beads.
 const restOf = (gap) => gap.reduce((found, one) => [...found, found[found.length - 1] + one], [0]);
 
-// Return the drawn length of the strings: to scale, but not beyond the captions.
+// Return the drawn length of the strings. It is to scale, but the strings do not reach above the lower edge of the captions.
 function stringOf({ motion, scale, ground, size, captions }) {
   return Math.min(scale * motion.strings, ground - size / 2 - captions.bottom);
 }
 
-// Return how far each bead is drawn above the ground. Beads on strings move along arcs.
+// Return the height at which each bead is drawn above the ground. Beads on strings move along arcs.
 function risesOf(view, now) {
   const { motion, scale } = view;
   if (!motion.strings) return Array.from(now.position, () => 0);
@@ -135,7 +138,7 @@ function risesOf(view, now) {
   return Array.from(now.position, (x, k) => long - Math.sqrt(long ** 2 - Math.min(Math.abs(scale * (x - motion.rest[k])), 0.99 * long) ** 2));
 }
 
-// Draw the bar on which the beads hang, and their strings.
+// Draw the strings of the beads, and the bar to which the strings are attached.
 function strings(pen, view, edges, now) {
   const { motion, scale, size, ground, theme } = view, top = ground - size / 2 - stringOf(view);
   const ends = edges.map((x, k) => x + size / 2 - scale * (now.position[k] - motion.rest[k]));
@@ -150,7 +153,7 @@ function strings(pen, view, edges, now) {
   pen.stroke();
 }
 
-// Return the left edges of the beads on screen. Overlaps are magnified as the scene demands, while the mean position is kept.
+// Return the left edges of the visible beads. Overlaps are magnified as the scene requires. The mean position of the beads does not change.
 function leftEdges(now, view, data) {
   const shift = [0];
   now.overlap.forEach((depth, k) => shift.push(shift[k] + (1 - data.scales.magnify) * Math.max(depth, 0)));
@@ -158,8 +161,8 @@ function leftEdges(now, view, data) {
   return Array.from(now.position, (x, k) => view.origin + view.scale * (x + shift[k] - mean + data.length * k));
 }
 
-// Place the label and the captions of the bars on one or two lines, left of the ruler and its text. Captions that do not fit are left out.
-// The bars end below all captions.
+// Return the places of the label and of the captions of the force bars. They are on one or two lines to the left of the ruler and its text.
+// Captions that do not fit are omitted. The bars end below all captions.
 function captionPlaces(pen, motion, data, room, width, forces, lines) {
   const words = (text, weight = 400, size = 12.5) => { pen.font = `${weight} ${size}px ${FONT}`; return pen.measureText(text).width; };
   const stops = motion.solid.flat().some((force) => force !== null), half = words(scaleText(data)) / 2;
@@ -239,8 +242,9 @@ function bodies(pen, view, data, edges, faces) {
 const barTop = (view, data, force) => view.base - view.barRoom * force / (view.force / FORCE_MARGIN);
 
 /**
- * Return the force that each contact would have if clusters were rigid, as in sandbox/draw/bodies.py. The force at an end of a cluster is
- * passed on in proportion to the mass beyond each contact; it is 0 where clusters end.
+ * Return the force that each contact would have if all clusters were rigid, as in sandbox/draw/bodies.py. A contact inside a cluster
+ * transmits a share of the force at an end of the cluster. The share is proportional to the mass beyond the contact. The returned force is
+ * 0 at the ends of clusters.
  * @param {(number|null)[]} masses @param {Now} now @param {number} length of a bead
  */
 function rigidForces(masses, now, length) {
@@ -258,34 +262,36 @@ function rigidForces(masses, now, length) {
   return found;
 }
 
-// Draw a bar for each contact, and a line across it at the force of rigid clusters, Eq. (5).
+// Draw a force bar for each contact. Draw a line across the bar at the force that the contact would have in a rigid cluster, Eq. (5).
 function forceBars(pen, view, data, now) {
   const { motion, size, theme } = view, visible = VISIBLE_FORCE * view.force;
   const wide = Math.min(Math.max(0.26 * size, 3), 30), unit = data.forceUnit.size;
   const decimals = Math.max(0, 2 - Math.floor(Math.log10(view.force / unit)));
-  const marked = view.captions.found.some(({ mark }) => mark); // Marks are drawn only if their legend fits.
+  const marked = view.captions.found.some(({ mark }) => mark); // Marks are drawn only if there is space for their legend.
   const rigid = marked ? rigidForces(motion.mass, now, data.length) : [];
   const high = size < 40 ? 11 : 13, numbers = [], text = (value) => (decimals > 4 ? scientific(value) : fixed(value, decimals));
   now.contacts.forEach((x, k) => {
     const force = now.force[k], top = barTop(view, data, Math.abs(force)), expected = rigid[k];
     pen.fillStyle = view.contactColours[k];
     pen.fillRect(x - wide / 2, top, wide, view.base - top);
-    if (force < 0 && view.base - top > 2 * PULL_RIM) { // Hollow, because the contact pulls.
+    if (force < 0 && view.base - top > 2 * PULL_RIM) { // The bar is hollow because the contact pulls.
       pen.fillStyle = theme.card;
       pen.fillRect(x - wide / 2 + PULL_RIM, top + PULL_RIM, wide - 2 * PULL_RIM, view.base - top - 2 * PULL_RIM);
     }
     pen.fillStyle = theme.ink;
-    const solid = motion.solid[k][force < 0 ? 1 : 0]; // The dark part is the force above the value at which the gear becomes solid.
+    // The dark part of a bar is the part of the force above the value at which the draft gear becomes solid.
+    const solid = motion.solid[k][force < 0 ? 1 : 0];
     if (solid !== null && Math.abs(force) > solid) pen.fillRect(x - wide / 2, top, wide, barTop(view, data, solid) - top);
     let above = top;
-    if (expected > visible && Math.abs(force) > visible) { // A mark without a bar would look like a missing bar.
+    if (expected > visible && Math.abs(force) > visible) { // A mark on a contact without a visible bar would look like a missing bar.
       const reach = wide / 2 + (view.narrow ? 3 : 5), line = barTop(view, data, expected);
       pen.fillRect(x - reach, line - 0.75, 2 * reach, 1.5);
-      if (line > top - 20) above = Math.min(top, line); // The number stands above a mark that would cross it out.
+      // A mark near the number would cross it out. The number is then written above the mark.
+      if (line > top - 20) above = Math.min(top, line);
     }
     if (Math.abs(force) > visible && size >= 28) numbers.push({ text: text(force / unit), x, y: above - 5, force: Math.abs(force) });
   });
-  const taken = [view.captions.scale]; // Draw the largest numbers first. A number that would cover another text is left out.
+  const taken = [view.captions.scale]; // The largest numbers are written first. A number that would cover another text is omitted.
   pen.font = `600 ${high}px ${FONT}`;
   for (const { text, x, y } of numbers.sort((a, b) => b.force - a.force)) {
     const half = pen.measureText(text).width / 2 + 1;
@@ -295,13 +301,13 @@ function forceBars(pen, view, data, now) {
   }
 }
 
-// Return the colour behind the number of a bead: its cylinder, its core if masses differ, or its disc.
+// Return the colour behind the number of a bead. It is the colour of its cylinder, of its core if the masses differ, or of its disc.
 function inner({ mass, massLabels: labels, gears, contacts }, theme, colour, k) {
   if (gears[Math.min(k, contacts - 1)]) return colour;
   return mixed(labels.length && mass[k] ? mixed(colour, "#000000", 0.22) : colour, theme.card, labels.length ? 0.05 : TRANSPARENT);
 }
 
-// Draw a velocity arrow under each bead, and the mass below it if masses differ.
+// Draw a velocity arrow below each bead. If the masses differ, write the mass below the arrow.
 function arrows(pen, view, data, edges, now) {
   const fastest = Math.max(...data.scales.velocity.map(Math.abs)), { motion, size, ground, theme } = view;
   edges.forEach((x, k) => {
@@ -311,7 +317,7 @@ function arrows(pen, view, data, edges, now) {
   });
 }
 
-// Draw the steady forces on beads as arrows, each on the side that the force comes from.
+// Draw the constant forces on beads as arrows. Each arrow is on the side from which the force comes.
 function drives(pen, view, edges) {
   const { drive } = view.motion, { size, theme } = view, most = Math.max(...drive.map(Math.abs));
   edges.forEach((x, k) => {
@@ -320,7 +326,7 @@ function drives(pen, view, edges) {
   });
 }
 
-// Return the width of the bars of energy and momentum, and the left end of the second bar.
+// Return the width of the energy bar and the momentum bar, and the left end of the momentum bar.
 const balancePlaces = ({ width, narrow }) => ({ wide: (width - (narrow ? 12 : 24)) / 2, second: (width + (narrow ? 12 : 24)) / 2 });
 
 function balanceFrames(pen, view, top) {
@@ -333,7 +339,7 @@ function balanceFrames(pen, view, top) {
   for (const x of [0, second]) pen.fillRect(x, top + 23, wide, 11);
 }
 
-// Draw the bars of energy and momentum: the part of each bead, and the total, which must not change.
+// Draw the bars of energy and momentum. They show the part of each bead and the total, which must not change.
 function balances(pen, view, data, now, top) {
   const { motion, theme } = view, { wide, second } = balancePlaces(view), mass = motion.mass.map((m) => m ?? 0);
   const kinetic = mass.map((m, k) => 0.5 * m * now.velocity[k] ** 2), momentum = mass.map((m, k) => m * now.velocity[k]);
