@@ -1,5 +1,5 @@
-"""Console output of the commands. It consists of tables that fit the width of the terminal, notes and progress. The
-option --quiet suppresses notes and progress.
+"""Console output of the commands. The output consists of tables that fit the width of the terminal, notes and progress.
+The option --quiet suppresses notes and progress.
 """
 
 from __future__ import annotations

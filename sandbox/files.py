@@ -35,7 +35,7 @@ def _user_errors(opened: AbstractContextManager[Path], path: Name) -> Iterator[P
     try:
         with opened as temporary:
             yield temporary
-    # This error is raised when the file is opened, or when the disk becomes full during writing.
+    # An OSError is raised when the file is opened, or when the disk becomes full during writing.
     except OSError as error:
         if error.errno is None:
             raise UserError(str(error)) from error

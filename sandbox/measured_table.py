@@ -1,5 +1,5 @@
-"""Reader for tables of measurements that other programs have exported. It finds the quantity and the unit of each
-column. If it finds a problem, it reports the line and the column of the problem.
+"""Reader for tables of measurements that other programs have exported. The reader finds the quantity and the unit of
+each column. If it finds a problem, it reports the line and the column of the problem.
 
 A table consists of numbers with one line of names above them. Tracker, phyphox, Qualisys, Logger Pro, Capstone,
 spreadsheets and pandas write such tables. The quantity of a column follows from its name and its unit, never from its
@@ -114,8 +114,8 @@ UNIT_IN_NAME = re.compile(r"^(.*?)\s*(?:\(([^()]+)\)|\[([^\[\]]+)\]|\s/\s*(\S+)|
 
 
 class Header(NamedTuple):
-    """Meaning of a column. It consists of the name, the quantity, the axis, the factor to SI units, and the unit in the
-    file. The quantity is "" if it is unknown.
+    """Meaning of a column. A header consists of the name, the quantity, the axis, the factor to SI units, and the unit
+    in the file. The quantity is "" if it is unknown.
     """
 
     name: str
@@ -159,8 +159,8 @@ class MeasuredTable:
     columns: tuple[Column, ...]
 
     def along_row(self, quantity: str) -> tuple[Column, ...]:
-        """Return the columns of a quantity along the chain of beads. They are the columns for the x axis and the
-        columns without an axis.
+        """Return the columns of a quantity along the chain of beads. The result contains the columns for the x axis and
+        the columns without an axis.
         """
         return tuple(one for one in self.columns if one.quantity == quantity and one.axis in ("", "x"))
 
@@ -171,8 +171,8 @@ class MeasuredTable:
 
 
 def read_table(path: str | Path) -> MeasuredTable:
-    """Read a table of measurements. If the meaning of the table is unclear, raise UserError. Its message contains the
-    line, the column and a remedy.
+    """Read a table of measurements. If the meaning of the table is unclear, raise UserError. The message of the error
+    contains the line, the column and a remedy.
     """
     path = Path(path)
     lines = re.split(r"\r\n|\r|\n", _text(path))
@@ -234,8 +234,8 @@ def _text(path: Path) -> str:
 class Layout(NamedTuple):
     """Format of a file.
 
-    It consists of the delimiter, the decimal mark, the number of the line with the names, the cells of this line, and
-    the rows of numbers. Lines are counted from 1.
+    A format consists of the delimiter, the decimal mark, the number of the line with the names, the cells of this line,
+    and the rows of numbers. Lines are counted from 1.
     """
 
     delimiter: str | None
@@ -277,7 +277,8 @@ def _value(cell: str, mark: str) -> float | None:
 def _numeric(cells: Sequence[str], mark: str) -> bool:
     """Return True if a line looks like a line of data.
 
-    It has at least two cells, and all its cells are numeric or empty. The first cell or any two cells are numeric.
+    A line of data has at least two cells, and all its cells are numeric or empty. The first cell or any two cells are
+    numeric.
     """
     if len(cells) < 2:
         return False
@@ -335,8 +336,8 @@ def _row(path: Path, line: int, cells: list[str], mark: str, names: list[str]) -
 
 
 def _headers(path: Path, lines: list[str], layout: Layout) -> list[Header]:
-    """Return the meaning of each column. It follows from the line of names. If a line of units follows, it is used as
-    well.
+    """Return the meaning of each column. The meaning follows from the line of names. If a line of units follows, it is
+    used as well.
     """
     width = len(layout.rows[0][1])
     markers = _qualisys_markers(lines)

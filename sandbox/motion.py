@@ -22,10 +22,10 @@ class Motion:
         time: (T,) ascending times [s].
         overlap, rate, force: (T, n) overlaps [m], rates of the overlaps [m/s] and contact forces [N].
         anchor: (T, 2) position [m] and velocity [m/s] of the bead ``chain.anchor``.
-        absorbed: (T,) energy [J] absorbed so far by contacts with loss and by the bed. It is empty if the chain has
-            neither.
-        balance: (T, 2) energy [J] and momentum [N s] that are conserved in theory. Their changes are the errors of the
-            method. It is empty for a motion that is still being computed.
+        absorbed: (T,) energy [J] absorbed so far by contacts with loss and by the bed. The array is empty if the chain
+            has neither.
+        balance: (T, 2) energy [J] and momentum [N s] that are conserved in theory. Changes of these values are the
+            errors of the method. The array is empty for a motion that is still being computed.
         method: name of the method, for a label.
     """
 
@@ -84,8 +84,8 @@ class Motion:
 
     @cached_property
     def energy_error(self) -> Array:
-        """The (T,) largest change of the conserved energy so far, relative to the largest kinetic energy. It is NaN if
-        the conserved energy is not known.
+        """The (T,) largest change of the conserved energy so far, relative to the largest kinetic energy. The error is
+        NaN if the conserved energy is not known.
         """
         return _worst_so_far(self.balance[:, 0], self.kinetic.sum(axis=1).max())
 

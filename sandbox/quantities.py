@@ -1,5 +1,5 @@
-"""Table of the quantities of a motion. It contains the name, unit, symbol, owner and values of each quantity. Plots,
-pictures, tables and notebooks use this table.
+"""Table of the quantities of a motion. The table contains the name, unit, symbol, owner and values of each quantity.
+Plots, pictures, tables and notebooks use this table.
 """
 
 from collections.abc import Callable
@@ -13,15 +13,15 @@ BEAD, CONTACT, CHAIN = "bead", "contact", "chain"
 
 
 class Quantity(NamedTuple):
-    """Quantity of a motion. It belongs to every bead, to every contact, or to the chain.
+    """Quantity of a motion. A quantity belongs to every bead, to every contact, or to the chain.
 
     Attributes:
         title: name and unit, as on an axis; marked for translation.
         column: short name and unit, as above a narrow column; marked for translation in the context "column".
         symbol: symbol of the quantity, to which an index can be added.
         owner: 'bead', 'contact' or 'chain'.
-        values: function that returns the (T, k) values of a motion. Its arguments are the motion and the length of a
-            bead [m].
+        values: function that returns the (T, k) values of a motion. The arguments of the function are the motion and
+            the length of a bead [m].
     """
 
     title: str

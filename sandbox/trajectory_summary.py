@@ -113,8 +113,8 @@ class Summary:
 
 @dataclass(frozen=True)
 class ResultTable:
-    """Table of results. It consists of titles with units, rows of texts, and hints about the rows. Terminal, page and
-    notebook display it in different ways.
+    """Table of results. A table consists of titles with units, rows of texts, and hints about the rows. Terminal, page
+    and notebook display it in different ways.
     """
 
     titles: tuple[str, ...]
@@ -194,8 +194,8 @@ def _time(time: float | None) -> str:
 # Values that are not finite become None. `trajectory.warnings` contains the cause.
 @np.errstate(over="ignore", invalid="ignore")
 def summarise(label: str, trajectory: Trajectory) -> Summary:
-    """Return the summary of the `trajectory` of a lane. Its peak values are the largest samples, so the samples must be
-    fine.
+    """Return the summary of the `trajectory` of a lane. The peak values of the summary are the largest samples, so the
+    samples must be fine.
     """
     energy = trajectory.ledger
     change = np.abs(energy - energy[0])

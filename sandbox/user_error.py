@@ -1,5 +1,5 @@
-"""UserError and its subclasses. A user sees only these exceptions. Each one contains one sentence that helps to correct
-the input, and is printed without a traceback.
+"""UserError and its subclasses. A user of the command sees only UserErrors. Each one contains one sentence that helps
+to correct the input, and is printed without a traceback.
 """
 
 import difflib
@@ -36,7 +36,7 @@ class StudyError(UserError, ValueError):
 
 
 def unknown(kind: str, word: str, known: Iterable[str]) -> UserError:
-    """Return the error for an unknown name. Its message contains the most similar known name."""
+    """Return the error for an unknown name. The message of the error contains the most similar known name."""
     names = list(known)
     near = difflib.get_close_matches(word, names, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""

@@ -1,4 +1,4 @@
-"""Arguments that several commands share. Their types reject an invalid value with a clear message."""
+"""Arguments that several commands share. The argument types reject an invalid value with a clear message."""
 
 from __future__ import annotations
 
@@ -72,13 +72,13 @@ def add_method(parser: argparse.ArgumentParser) -> None:
 
 
 def completed(action: argparse.Action, words: Callable[..., list[str]]) -> None:
-    """Register the completions of an argument in the shell. They are the result of `words`, and file names."""
+    """Register the completions of an argument in the shell. The completions are the result of `words` and file names."""
     action.completer = words  # type: ignore[attr-defined]  # what argcomplete looks for
 
 
 def scene_words(prefix: str = "", **_: object) -> list[str]:
-    """Return the completions of an argument that names a scene. They are scene names, scene files, trajectory files and
-    folders.
+    """Return the completions of an argument that names a scene. The completions are scene names, scene files,
+    trajectory files and folders.
     """
     from glob import escape, glob
 
@@ -100,7 +100,8 @@ def figure_path(name: str, command: str) -> Path:
         raise UserError(f"cannot write {name}: {command} writes {', '.join(FIGURE_SUFFIXES)}")
     from softcradle.sandbox.studies.plot_style import require_matplotlib
 
-    # The package is checked before the simulations. Otherwise their results would be lost if it is missing.
+    # The package is checked before the simulations. If the package were missing after the simulations, their results
+    # would be lost.
     require_matplotlib()
     return Path(name)
 
@@ -126,9 +127,9 @@ def opened_outputs(paths: Sequence[Path]) -> Iterator[list[Path]]:
 def picture_folder(name: str, kept: str) -> Iterator[tuple[Path, Path, WrittenFiles]]:
     """Create the folder for the pictures of a study before its simulations start.
 
-    Yield three values. The first is the folder. The second is the path of the store that keeps computed points until
-    all pictures are drawn. The third is a record of the files that the folder already contained. The store is removed
-    at the end.
+    Yield three values. The first value is the folder. The second value is the path of the store that keeps computed
+    points until all pictures are drawn. The third value is a record of the files that the folder already contained. The
+    store is removed at the end.
     """
     from softcradle.sandbox.files import filled_folder
     from softcradle.sandbox.studies.plot_style import require_matplotlib

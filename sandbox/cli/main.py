@@ -47,8 +47,8 @@ class CommandModule(Protocol):
 
 
 class Command(NamedTuple):
-    """Subcommand of `softcradle`. It consists of its name and its line in the help. The name is also the name of its
-    module.
+    """Subcommand of `softcradle`. A command consists of its name and its line in the help. The name is also the name of
+    its module.
     """
 
     name: str
@@ -151,7 +151,8 @@ class _Help(argparse.HelpFormatter):
 
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        # This import reads the metadata of the installation. At the top of the module, it would slow down every start.
+        # Importing the version reads the metadata of the installation. At the top of the module, it would slow down
+        # every start.
         from softcradle.physics.version import version
 
         print(f"softcradle {version()}")
@@ -281,8 +282,8 @@ def _module(name: str) -> CommandModule:
 
 
 def discard(stream: TextIO) -> None:
-    """Redirect the stream to the null device. Otherwise Python would try again to write the buffered output when it
-    exits.
+    """Redirect the stream to the null device. If the stream were not redirected, Python would try again to write the
+    buffered output when it exits.
     """
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 

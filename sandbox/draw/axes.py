@@ -1,5 +1,5 @@
-"""Axes of charts. The module contains the vertical axis with its ticks. It also writes titles, tick labels and the
-names of curves.
+"""Axes of charts. The module contains the vertical axis with its ticks. The module also writes titles, tick labels and
+the names of curves.
 """
 
 import math
@@ -32,7 +32,8 @@ class VerticalAxis:
         low, high: values at the ends of the axis; exponents of ten if the axis is logarithmic.
         ticks: (value, label) of each tick.
         logarithmic: True if the axis shows the decimal logarithm of values.
-        size, prefix: size and prefix of the unit of the tick labels. They are 1e3 and "k" if the unit is kN.
+        size, prefix: size and prefix of the unit of the tick labels. For the unit kN, the size is 1e3 and the prefix is
+            "k".
     """
 
     title: str
@@ -58,7 +59,8 @@ class VerticalAxis:
 def ticks_apart(ticks: Sequence[tuple[float, str]], scale: float, gap: float) -> list[tuple[float, str]]:
     """Return every k-th of the evenly spaced `ticks`. k is the smallest number that keeps the ticks `gap` pixels apart.
 
-    `scale` is the number of pixels per unit. It is negative for an axis that points down. The tick at 0 is always kept.
+    `scale` is the number of pixels per unit. The scale is negative for an axis that points down. The tick at 0 is
+    always kept.
     """
     if len(ticks) < 2:
         return list(ticks)

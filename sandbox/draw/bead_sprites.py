@@ -47,7 +47,7 @@ def bead_sprite(diameter: float, colour: Colour, core: float) -> Sprites:
 
 
 def _shaded_disc(fine: pygame.Surface, colour: Colour, centre: tuple[float, float], radius: float) -> None:
-    """Draw a disc that looks like an illuminated ball. It is dark at its rim and bright at its highlight."""
+    """Draw a disc that looks like an illuminated ball. The disc is dark at its rim and bright at its highlight."""
     for k in range(SHADES):
         share = k / (SHADES - 1)
         if share < 0.4:

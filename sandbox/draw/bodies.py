@@ -1,7 +1,7 @@
 """Appearance of bodies, computed without drawing.
 
-The module decides which contacts look like draft gears, how tall bodies are and which masses are written. It also
-computes the force that a contact would carry in a rigid cluster. A mark across the force bar shows this force.
+The module decides which contacts look like draft gears, how tall bodies are and which masses are written. The module
+also computes the force that a contact would carry in a rigid cluster. A mark across the force bar shows this force.
 """
 
 import itertools
@@ -68,8 +68,8 @@ def mass_labels(chain: Chain) -> tuple[str, ...]:
     return tuple(f"{plain(mass / size)} {unit}" if math.isfinite(mass) else _("wall") for mass in chain.mass)
 
 
-# Largest difference between the velocities of neighbouring beads of one cluster. It is a fraction of the largest
-# difference between velocities in the chain.
+# Largest difference between the velocities of neighbouring beads of one cluster. This limit is a fraction of the
+# largest difference between velocities in the chain.
 ALIKE = 1e-6
 # Largest gap at which neighbouring beads count as touching, relative to the length of a bead. The gap need not be 0
 # because positions are sums with rounding errors.
@@ -94,7 +94,7 @@ def cluster_ends(overlap: Sequence[float], velocity: Sequence[float], length: fl
 
 
 def has_marks(ends: Sequence[bool]) -> bool:
-    """Return True if a force bar can have a mark. This requires a cluster of at least two beads that another body can
+    """Return True if a force bar can have a mark. A mark requires a cluster of at least two beads that another body can
     strike.
     """
     return len(ends) > 1 and any(ends) and not all(ends)
@@ -106,7 +106,7 @@ def rigid_forces(
     """Return the (n,) force [N] that each contact would have if every cluster moved as one rigid body.
 
     Clusters are separated by the contacts that `ends` marks and by the contacts that are open now. The returned force
-    is 0 at these contacts. It is also 0 inside a cluster that contains a wall.
+    is 0 at these contacts. The returned force is also 0 inside a cluster that contains a wall.
 
     All beads of a rigid cluster have the same acceleration. A contact inside the cluster therefore transmits a share of
     the force at each end of the cluster. The share is the mass beyond the contact divided by the mass of the cluster,

@@ -1,4 +1,6 @@
-"""Drawing of one lane. It shows beads on the ground, a force bar above each contact and an arrow below each bead."""
+"""Drawing of one lane. The drawing shows beads on the ground, a force bar above each contact and an arrow below each
+bead.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -84,10 +86,10 @@ ARROWS: dict[str, Shares] = {
 
 KEY = 26.0  # Height of the line above the force bars that contains the name of the lane and the key [design pixels].
 FORCE_LABEL = 17.0  # Height of the space for a force label above its bar [design pixels].
-# Height of a bead as a fraction of the height of the drawing. The first number is the usual height. The second is the
-# smallest height, for low drawings.
+# Height of a bead as a fraction of the height of the drawing. The first number is the usual height. The second number
+# is the smallest height, which is used in low drawings.
 TALLEST_BEAD, LEAST_BEAD = 0.40, 0.22
-# Height of a bead on a string as a fraction of the height of the drawing. It leaves space for the strings.
+# Height of a bead on a string as a fraction of the height of the drawing. This height leaves space for the strings.
 HANGING_BEAD = 0.25
 BAR_LIFT = 8.0  # Distance between the tops of the beads and the zero line of the bars [design pixels].
 # Smallest height of the force bar of the largest force [design pixels]. Beads shrink to make space for it.
@@ -108,7 +110,7 @@ PULL_RIM = 2.5  # Thickness of the outline of a hollow bar [design pixels]. A ho
 
 
 class DrawnLane(Protocol):
-    """Lane that can be drawn. It is either a Lane of a scene or a live lane of the window."""
+    """Lane that can be drawn. A drawn lane is either a Lane of a scene or a live lane of the window."""
 
     @property
     def label(self) -> str:
@@ -116,8 +118,8 @@ class DrawnLane(Protocol):
 
     @property
     def velocity(self) -> Sequence[float]:
-        """The (n+1,) velocities [m/s] at the start. They distinguish the beads that strike from the beads that are
-        struck.
+        """The (n+1,) velocities [m/s] at the start. These velocities distinguish the beads that strike from the beads
+        that are struck.
         """
 
     def chain(self) -> Chain:
@@ -125,7 +127,7 @@ class DrawnLane(Protocol):
 
 
 class DrawnScene(Protocol):
-    """Scene that can be drawn. It is either a Scene or the live lanes of the window."""
+    """Scene that can be drawn. A drawn scene is either a Scene or the live lanes of the window."""
 
     @property
     def lanes(self) -> Sequence[DrawnLane]:
@@ -504,8 +506,8 @@ class LaneDrawing:
 def _tallest(rect: pygame.Rect, unit: float) -> float:
     """Return the height [pixels] of the tallest bead.
 
-    If the drawing is low, the beads shrink to leave the height LEAST_BAR for the force bars. They do not become smaller
-    than LEAST_BEAD.
+    If the drawing is low, the beads shrink to leave the height LEAST_BAR for the force bars. The beads do not become
+    smaller than LEAST_BEAD.
     """
     room = rect.height - (KEY + FORCE_LABEL + LEAST_BAR + BAR_LIFT + GROUND) * unit
     return min(TALLEST_BEAD * rect.height, max(room, LEAST_BEAD * rect.height))

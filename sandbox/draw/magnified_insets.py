@@ -25,14 +25,14 @@ TEXT_ROOM = 100.0  # Width of the space for text next to an inset [design pixels
 # height of the captions.
 LARGEST_RADIUS, WIDEST_PITCH, CAPTION = 44.0, 190.0, 58.0
 # Limits of insets if insets of full size do not fit [design pixels]. The first number is the width of the space for
-# shortened text. The second is the smallest radius.
+# shortened text. The second number is the smallest radius of an inset.
 LEAST_TEXT_ROOM, LEAST_RADIUS = 86.0, 20.0
 
 
 class MagnifiedInsets:
     """Magnified insets of the contacts of one lane.
 
-    If there is not enough space for all contacts, the insets show neighbouring contacts. The first of them is the
+    If there is not enough space for all contacts, the insets show neighbouring contacts. The first inset shows the
     contact with the largest overlap. The last contact of the lane is always shown, because its overlap is the smallest.
 
     Arguments:
@@ -154,7 +154,7 @@ class MagnifiedInsets:
 
 
 class CaptionedInsets(MagnifiedInsets):
-    """Magnified insets with captions below them. They show chosen contacts at one moment.
+    """Magnified insets with captions below them. The insets show chosen contacts at one moment.
 
     Arguments:
         rect: rectangle of the insets and their captions [pixels].
@@ -214,8 +214,8 @@ class CaptionedInsets(MagnifiedInsets):
 def _shown(deepest: tuple[float, ...], room: int) -> tuple[int, ...]:
     """Return the contacts that have an inset. There is space for `room` insets.
 
-    The contacts are neighbours. The first of them has the largest overlap. If the last contact of the lane is missing,
-    it replaces the last of the chosen contacts.
+    The contacts are neighbours. The first of the chosen contacts has the largest overlap. If the last contact of the
+    lane is missing, it replaces the last of the chosen contacts.
     """
     last = len(deepest) - 1
     first = max(0, min(deepest.index(max(deepest)), len(deepest) - room))

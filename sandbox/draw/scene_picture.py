@@ -1,4 +1,4 @@
-"""Picture of a scene at one size. It is composed of the pictures of the lanes. All lanes show the same time."""
+"""Picture of a scene at one size. It is composed of pictures of the lanes. All lanes show the same time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,8 +23,8 @@ from softcradle.sandbox.story.numbers import TIMES, fixed, plain, subscript, tim
 from softcradle.sandbox.story.sentences import outcome_words
 from softcradle.scenes import Scene
 
-# Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture. It is 1/DESIGN_WIDTH
-# of the width if this length is smaller. All lengths below are in design pixels.
+# Size of a picture in design pixels. A design pixel is 1/DESIGN_HEIGHT of the height of a picture. If 1/DESIGN_WIDTH of
+# the width of the picture is smaller, a design pixel has this size. All lengths below are in design pixels.
 DESIGN_HEIGHT = 720.0
 DESIGN_WIDTH = 1000.0
 MARGIN = 28.0  # Free space on the left and on the right of a picture.
@@ -220,7 +220,7 @@ class _LanePicture:
             panel.draw_curves(self.motion.time, values)
 
     def _panel(self, rect: pygame.Rect, kind: int, scales: Scales, unit: float) -> Panel:
-        """Return one panel. It shows velocities if `kind` is 0, forces if it is 1 and overlaps if it is 2."""
+        """Return one panel. The panel shows velocities if `kind` is 0, forces if it is 1 and overlaps if it is 2."""
         colours, contact_colours = self.drawing.colours, self.drawing.contact_colours
         contacts = range(len(contact_colours))
         if kind == 0:
@@ -268,8 +268,8 @@ def speed_text(slow: float) -> str:
 def _peaks(motion: Motion) -> tuple[Array, Array, Array]:
     """Return the values that determine the heights of the names of the curves.
 
-    They are the final velocity of each bead, the strongest push or pull of each contact, and the largest overlap of
-    each contact.
+    These values are the final velocity of each bead, the strongest push or pull of each contact, and the largest
+    overlap of each contact.
     """
     low, high = motion.force.min(axis=0), motion.force.max(axis=0)
     return motion.velocity[-1], np.where(-low > high, low, high), motion.overlap.max(axis=0)

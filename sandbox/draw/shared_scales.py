@@ -136,8 +136,8 @@ def axis_range(values: Sequence[Array]) -> Span:
 def _decades(deepest: tuple[tuple[float, ...], ...]) -> tuple[int, int]:
     """Return the exponents of ten at the ends of the overlap axis.
 
-    Each contact has a largest overlap. The axis ends at the power of ten above the largest of these values. It begins
-    one decade below the smallest of them.
+    Each contact has a largest overlap. The axis ends at the power of ten above the largest of these values. The axis
+    begins one decade below the smallest of these values.
     """
     depths = [depth for lane in deepest for depth in lane if depth > 0.0]
     if not depths:

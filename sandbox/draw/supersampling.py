@@ -17,9 +17,9 @@ Sprites = tuple[pygame.Surface, ...]
 def make_sprites(size: tuple[int, int], rim: Colour, paint: Callable[[pygame.Surface, float], None]) -> Sprites:
     """Return the images of a shape at four positions, which are a quarter of a pixel apart.
 
-    ``paint(surface, shift)`` draws the shape at four times its size. It moves the shape to the right by `shift` fine
-    pixels. `rim` is the colour of the outline. The transparent background also gets this colour. Otherwise, averaging
-    would darken the edge.
+    ``paint(surface, shift)`` draws the shape at four times its size. The function `paint` moves the shape to the right
+    by `shift` fine pixels. `rim` is the colour of the outline. The transparent background also gets this colour. With
+    another colour, averaging would darken the edge of the shape.
     """
     images = []
     for shift in range(SUBPIXELS):
@@ -116,7 +116,7 @@ def _marker(surface: pygame.Surface, colour: Colour, shape: int, centre: Point, 
 
 
 def draw_arrow(surface: pygame.Surface, colour: Colour, start: Point, length: float, unit: float) -> None:
-    """Draw a horizontal arrow from `start`. It points to the right and is `length` pixels long. If `length` is
+    """Draw a horizontal arrow from `start`. The arrow points to the right and is `length` pixels long. If `length` is
     negative, it points to the left.
     """
     x, y = start

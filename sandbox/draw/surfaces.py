@@ -24,7 +24,7 @@ def cached_surfaces(megabytes: float) -> Callable[[Callable[..., Drawn]], Callab
     """Return a decorator that caches the drawings that a function returns. The arguments of the function must be
     hashable.
 
-    The cache keeps the most recently used drawings. Their pixels occupy at most `megabytes`.
+    The cache keeps the most recently used drawings. The pixels of these drawings occupy at most `megabytes`.
     """
 
     def decorate(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:

@@ -1,5 +1,5 @@
-"""Encoder of films. It encodes frames while the next frames are drawn. A long film is divided into segments that are
-encoded in parallel.
+"""Encoder of films. The encoder encodes frames while the next frames are drawn. A long film is divided into segments
+that are encoded in parallel.
 
 Each segment is encoded by one thread with its own encoder. Afterwards the segments are joined without re-encoding. (An
 encoder with several threads would wait for the slowest thread at every frame.) The boundaries between segments depend
@@ -43,7 +43,7 @@ BUFFERS = 3
 
 @dataclass
 class _Segment:
-    """Segment of a film. It begins with the frame number `first` and has `count` frames.
+    """Segment of a film. The segment begins with the frame number `first` and has `count` frames.
 
     `drawn` is the number of frames drawn so far. `packets` contains the encoded frames.
     """
@@ -56,7 +56,7 @@ class _Segment:
 
 
 def segment_lengths(frames: int) -> list[int]:
-    """Return the number of frames of each segment of a film. These numbers differ by at most 1."""
+    """Return the number of frames of each segment of a film. The numbers of frames differ by at most 1."""
     count = 2 * max(1, round(frames / (2 * SEGMENT_FRAMES))) if frames >= 2 * SHORTEST_SEGMENT else 1
     return [frames // count + (k < frames % count) for k in range(count)]
 
@@ -141,8 +141,8 @@ class _Workers:
     def _run(self, worker: int) -> None:
         """Encode frames until the queue contains None.
 
-        After an error, return the surfaces to the drawing thread. Otherwise that thread would wait forever and not see
-        the error.
+        After an error, return the surfaces to the drawing thread. If a surface were missing, the drawing thread would
+        wait forever and not see the error.
         """
         encoder: _SegmentEncoder | None = None
         while (item := self._full[worker].get()) is not None:
@@ -228,7 +228,7 @@ class Film:
 def open_film(
     output: Path | str, size: tuple[int, int], frame_rate: float, pixel_format: str | None = None
 ) -> Iterator[Film]:
-    """Open a film for writing. Its frames can show anything, such as a pymunk Space.
+    """Open a film for writing. The frames of the film can show anything, such as a pymunk Space.
 
     The file `output` appears when the block ends without an error. After an error, it is not written. Films have no
     sound and no transparent background.
@@ -240,7 +240,7 @@ def open_film(
             name
         with a final ``/`` is a folder of numbered pictures.
     size : (int, int)
-        Width and height of a frame [pixels]. They must be even numbers for an mp4.
+        Width and height of a frame [pixels]. Width and height must be even numbers for an mp4.
     frame_rate : float
         Frames per second. Pictures ignore it.
     pixel_format : str, optional
@@ -348,8 +348,8 @@ class _Encoder(Film):
     def _run(self) -> None:
         """Encode frames until the queue contains None.
 
-        After an error, return the surfaces and then the error to the drawing thread. Otherwise that thread would wait
-        forever.
+        After an error, return the surfaces and then the error to the drawing thread. If a surface were missing, the
+        drawing thread would wait forever.
         """
         try:
             with self._container:

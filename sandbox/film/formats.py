@@ -1,5 +1,5 @@
-"""File formats of films. The module contains the codec and the limits of each file suffix. It also converts surfaces
-into frames.
+"""File formats of films. The module contains the codec and the limits of each file suffix. The module also converts
+surfaces into frames.
 """
 
 import os
@@ -176,7 +176,7 @@ def _require(codec: Codec) -> None:
 
 
 class Palette:
-    """Palette of a GIF with 256 colours. Pillow chooses the colours from the picture `sample`. It first covers the
+    """Palette of a GIF with 256 colours. Pillow chooses the colours from the picture `sample`. Pillow first covers the
     range of colours and then averages similar colours.
     """
 

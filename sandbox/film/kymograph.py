@@ -65,8 +65,8 @@ class SlitCamera:
         self.marked = np.isfinite(chain.mass)  # Walls have no markers.
 
     def markers(self, motion: Motion, rows: int | slice = slice(None)) -> Array:
-        """Return the centres of the markers on the beads (..., beads) for the samples `rows` of the motion. They are
-        measured in pixels from the left edge of a frame.
+        """Return the centres of the markers on the beads (..., beads) for the samples `rows` of the motion. The
+        positions are measured in pixels from the left edge of a frame.
         """
         places: Array = self.drawing.left() + self.drawing.scale * (motion.position[rows] + self.middle)
         return places[..., self.marked]
@@ -82,16 +82,16 @@ class SlitCamera:
         return self.frame
 
     def line(self, motion: Motion, row: int) -> Pixels:
-        """Return the horizontal line of pixels through the markers in the frame of the sample `row`. Its shape is
-        (width, 3), with the colours red, green and blue.
+        """Return the horizontal line of pixels through the markers in the frame of the sample `row`. The shape of the
+        line is (width, 3), with the colours red, green and blue.
         """
         cut: Pixels = pixels_of(self.shoot(motion, row))[self.line_y, :, 2::-1].copy()
         return cut
 
 
 def stacked(camera: SlitCamera, motion: Motion) -> Pixels:
-    """Return the kymograph as an array (T, width, 3). It contains one line of pixels from each frame. Time increases
-    along the first axis.
+    """Return the kymograph as an array (T, width, 3). The kymograph contains one line of pixels from each frame. Time
+    increases along the first axis.
     """
     return np.stack([camera.line(motion, row) for row in range(len(motion.time))])
 
@@ -109,7 +109,7 @@ LABEL = 24.0  # height of the name above a lane
 LANE_GAP = 14.0  # space below each lane
 
 TIME_BAR = 0.1  # length of the time bar [s], as in the paper
-# Shortest duration [s] of a kymograph in SI units. It leaves enough space for the time bar of the paper.
+# Shortest duration [s] of a kymograph in SI units. This duration leaves enough space for the time bar of the paper.
 SHORTEST_TIME = 0.35
 DOT = 5  # length of one dot of a dotted line [pixels]
 MARK = 13.0  # height of the name of a dotted line [design pixels]
@@ -141,8 +141,8 @@ def filmed_scene(scene: Scene, end: float) -> Scene:
     """Return the scene with overlaps drawn to scale. If the scene is in SI units, it is shown long enough for the time
     bar of the paper.
 
-    `end` [s] is the end of the motion. If the beads never touch, their motion does not end. They are shown until the
-    fastest bead is one bead length farther from the others.
+    `end` [s] is the end of the motion. If the beads never touch, their motion does not end. Such beads are shown until
+    the fastest bead is one bead length farther from the others.
     """
     view = {"magnify": 1.0}
     after = after_time(scene, end)
@@ -272,7 +272,7 @@ def _lane(surface: pygame.Surface, place: pygame.Rect, camera: SlitCamera, motio
 
 
 def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camera: SlitCamera, unit: float) -> None:
-    """Draw a scale bar on the right. It is as long as a bead."""
+    """Draw a scale bar on the right. The scale bar is as long as a bead."""
     length = scene.view.length
     x, tall = place.right + 16 * unit, length * camera.drawing.scale
     fill_rectangle(surface, tones.foreground, (x, place.bottom - tall, 4 * unit, tall))
@@ -284,8 +284,8 @@ def _length_bar(surface: pygame.Surface, place: pygame.Rect, scene: Scene, camer
 def _time_bar(
     surface: pygame.Surface, scene: Scene, motion: Motion, axis: tuple[float, float], high: int, unit: float
 ) -> None:
-    """Draw the time bar. It is 100 ms long as in the paper if there is enough space. Otherwise its length is a round
-    time.
+    """Draw the time bar. The time bar is 100 ms long as in the paper if there is enough space. Otherwise the length of
+    the time bar is a round time.
 
     `axis` contains the left end of the time axis [pixels] and the number of pixels per second.
     """

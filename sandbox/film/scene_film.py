@@ -20,7 +20,7 @@ from softcradle.scenes import Scene
 
 READING_TIME = 0.22  # duration for which the scene's text is shown, in seconds of film per word
 LONGEST_READING_TIME = 5.0  # longest duration for which the scene's text is shown [s of film]
-# Smallest number of samples of the motion per second of film. It keeps curves smooth at low frame rates.
+# Smallest number of samples of the motion per second of film. This number keeps curves smooth at low frame rates.
 LEAST_ROWS = 50.0
 FADE_TIME = 0.5  # duration in which the text of the scene appears [s of film]
 LAST_FRAME_TIME = 1.2  # duration for which the last frame is shown before the text appears [s of film]
@@ -113,8 +113,8 @@ def render_scene(
 
 @dataclass(frozen=True)
 class Shot:
-    """One frame of a film. It consists of the sample number of the motions and the opacity of the scene's text (0 to
-    1).
+    """One frame of a film. A shot consists of the sample number of the motions and the opacity of the scene's text (0
+    to 1).
     """
 
     row: int
@@ -127,8 +127,8 @@ def film_shots(scene: Scene, motions: Sequence[Motion], rate: float, rows_a_fram
 
 
 def shot_list(scene: Scene, rows: int, rate: float, rows_a_frame: int = 1, hit: int = 0) -> list[Shot]:
-    """Return the list of frames of a film. It first shows the motion. Then it shows the last sample for a moment.
-    Finally, it shows the last sample together with the text of the scene.
+    """Return the list of frames of a film. The film first shows the motion. Then the film shows the last sample for a
+    moment. Finally, the film shows the last sample together with the text of the scene.
 
     `hit` is the sample number of the first force. The time before this sample takes at most the fraction
     MOST_BEFORE_HIT of the film.

@@ -19,13 +19,13 @@ from softcradle.sandbox.user_error import GaveUpError, UserError
 from softcradle.scenes import Scene
 from softcradle.scenes.scene_schema import MOST_SLOW
 
-# Duration of the free flight before the start, as a fraction of the motion. It is shown only if beads touch at the
-# start.
+# Duration of the free flight before the start, as a fraction of the motion. Free flight before the start is shown only
+# if beads touch at the start.
 LEAD = 0.25
 AFTER = 0.35  # Default duration of the free flight after the end of a scene, as a fraction of the motion.
 # Largest number of frames. If there are more, the slow motion or the frame rate is probably a typing error.
 MOST_FRAMES = 100_000
-# Largest number of samples of a motion for one picture. It suffices to find the moment and to draw the curves.
+# Largest number of samples of a motion for one picture. This number suffices to find the moment and to draw the curves.
 MOST_ROWS = 100_000
 
 

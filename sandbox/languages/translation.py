@@ -1,4 +1,5 @@
-"""Translation of messages with gettext. It includes plural forms, decimal marks and the messages of validation errors.
+"""Translation of messages with gettext. The translation includes plural forms, decimal marks and the messages of
+validation errors.
 
 The current language is English until :func:`use_language` is called. Only the window calls this function. Commands and
 files are always in English. A page contains all languages.
@@ -30,7 +31,7 @@ VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 
 
 class Language(NamedTuple):
-    """Language of the window. It consists of the name of the language in that language, and the decimal mark."""
+    """Language of the window. A language has a name, written in the language itself, and a decimal mark."""
 
     name: str
     decimal_mark: str
@@ -63,7 +64,7 @@ def use_language(code: str) -> None:
 
 @contextmanager
 def english() -> Iterator[None]:
-    """Use English inside the block. It is needed for files that users of other languages also read."""
+    """Use English inside the block. English is needed for files that users of other languages also read."""
     code = language()
     use_language(ENGLISH)
     try:
@@ -115,8 +116,8 @@ def catalogue(code: str) -> NullTranslations:
 
 
 def language_of_environment(environment: Mapping[str, str] = os.environ) -> str:
-    """Return the language that the environment variables select. It is the first available language of the locale. The
-    default is English.
+    """Return the language that the environment variables select. The result is the first available language of the
+    locale. The default is English.
     """
     wished = next((environment[name] for name in VARIABLES if environment.get(name)), "")
     codes = (one.partition(".")[0].partition("_")[0].lower() for one in wished.split(":"))
@@ -149,7 +150,9 @@ def pgettext(context: str, message: str, **values: object) -> str:
 
 
 def N_(message: str) -> str:  # noqa: N802 - gettext's own name for it
-    """Return `message` unchanged. The call marks the message for the catalogues. It is translated when it is shown."""
+    """Return `message` unchanged. The call marks the message for the catalogues. The message is translated when it is
+    shown.
+    """
     return message
 
 
@@ -166,8 +169,8 @@ def localized(number: str) -> str:
 
 
 class _Filler(string.Formatter):
-    """Formatter that works like str.format. It writes floats with the decimal mark of the current language, and NumPy
-    scalars as plain numbers.
+    """Formatter that works like str.format. The formatter writes floats with the decimal mark of the current language,
+    and NumPy scalars as plain numbers.
     """
 
     def convert_field(self, value: Any, conversion: str | None) -> Any:

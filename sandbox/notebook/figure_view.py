@@ -1,4 +1,4 @@
-"""Figures in a notebook. They show velocities and forces over time in the style of the figures of the paper."""
+"""Figures in a notebook. The figures show velocities and forces over time in the style of the figures of the paper."""
 
 from io import BytesIO
 
@@ -47,13 +47,13 @@ def figure_of(shown: Trajectory | Scene) -> ShownFigure:
         grid[0, 0].set_ylabel(VELOCITY.label)
         grid[1, 0].set_ylabel(FORCE.label)
         if not any((trajectory.force < 0.0).any() for _, trajectory in columns):
-            # All lanes share this axis. Its limit is therefore set after all lanes have been drawn.
+            # All lanes share this axis. The limit of the shared axis is therefore set after all lanes have been drawn.
             grid[1, 0].set_ylim(bottom=0.0)
     return figure
 
 
 def new_shown_figure(height: float = 2.6) -> tuple[ShownFigure, Axes]:
-    """Return an empty figure for plots of the user, and its axes. Its style is the style of the other figures."""
+    """Return an empty figure for plots of the user, and its axes. The new figure has the style of the other figures."""
     with styled():
         figure = ShownFigure(figsize=(1.4 * COLUMN_WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)

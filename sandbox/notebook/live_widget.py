@@ -17,7 +17,8 @@ class LiveWidget(anywidget.AnyWidget):
     Attributes
     ----------
     state : dict
-        Current state of the page: settings, time, guess, outcome and chains. It is empty until the page is shown.
+        Current state of the page: settings, time, guess, outcome and chains. The state is empty until the page is
+            shown.
     text : str
         The complete HTML of the page.
     height : int
@@ -30,7 +31,7 @@ class LiveWidget(anywidget.AnyWidget):
     state = traitlets.Dict().tag(sync=True)
 
     def set(self, play: bool | None = None, **settings: Any) -> None:
-        """Change settings of the page. Their names are the names in the address of the page, for example ``set(n=9,
+        """Change settings of the page. The settings are named as in the address of the page, for example ``set(n=9,
         a="1/20", play=True)``.
         """
         self.send({"settings": settings, "play": play})

@@ -1,5 +1,5 @@
-"""Data of a page as JSON. They contain the initial state of the lanes, their appearance, and their recorded motion in
-packed form.
+"""Data of a page as JSON. The data contain the initial state of the lanes, their appearance, and their recorded motion
+in packed form.
 """
 
 import base64
@@ -33,8 +33,8 @@ SHOWN = ["forces", "balance", "charts"]  # Parts that are visible when the page 
 
 
 def can_be_computed(scene: Scene) -> bool:
-    """Return True if a page can compute the scene itself. It can compute preloaded power laws, loss, friction, strings
-    and a constant drive.
+    """Return True if a page can compute the scene itself. A page can compute preloaded power laws, loss, friction,
+    strings and a constant drive.
     """
     chains = [lane.chain() for lane in scene.lanes]
     return len(chains) <= 2 and all(
@@ -89,7 +89,8 @@ def _lane(played: PlayedMotion, number: int) -> dict[str, Any]:
         "dissipative": chain.dissipative,
         # True if the recording begins after the start of the motion. The state at the start is then unknown.
         "late": bool(trajectory.time[0] > 0.0),
-        "driven": chain.driven or bool(trajectory.given.any()),  # This is also True if the user has pulled a bead.
+        # A motion is also driven if the user has pulled a bead.
+        "driven": chain.driven or bool(trajectory.given.any()),
     }
 
 
@@ -148,8 +149,8 @@ def _experiment(scene: Scene) -> dict[str, Any]:
 
 
 def _strength(law: list[float]) -> float | None:
-    """Return a force [N] that characterises the strength of a contact law. It is the preload, or for soft beads the
-    force at an overlap of 1 m.
+    """Return a force [N] that characterises the strength of a contact law. This force is the preload, or for soft beads
+    the force at an overlap of 1 m.
     """
     preload, stiffness, exponent = law
     return preload or (stiffness if exponent < 1.0 else None)
@@ -183,19 +184,19 @@ def _hex(colour: tuple[int, int, int]) -> str:
 
 
 # Usual size of all packed motions of a page in bytes. A packed motion contains the smallest number of samples between
-# which straight lines follow every curve. The samples are stored as base64 text of typed arrays. This text takes 800
-# kB, and the page stays below 1 MB.
+# which straight lines follow every curve. The samples are stored as base64 text of typed arrays. The base64 text takes
+# 800 kB, and the page stays below 1 MB.
 USUAL_BYTES = 600_000
 # Usual size in bytes of the recording in a page that computes its motion. The recording is played only if the browser
 # blocks WebAssembly.
 STANDBY_BYTES = 4_000
-# Largest size of all packed motions in bytes. It is needed for long chains with the smallest accuracy.
+# Largest size of all packed motions in bytes. Long chains with the smallest accuracy need this size.
 MOST_BYTES = 6_000_000
 # Largest number of times that the accuracy is reduced. With further reductions, the curves would look wrong.
 COARSEST = 5
 CODES = 32767  # Largest integer code of a velocity or force. The code 0 means zero.
-# Largest distance between a curve and the straight lines that represent it, as a fraction of the axis. It is a third of
-# a pixel on an axis of 1200 pixels.
+# Largest distance between a curve and the straight lines that represent it, as a fraction of the axis. This distance is
+# a third of a pixel on an axis of 1200 pixels.
 LINE_ERROR = 2.5e-4
 # Largest relative error of an overlap between two samples. An error of this size does not change the second digit of a
 # label.
@@ -207,7 +208,7 @@ Rows = NDArray[np.intp]
 
 def packed_lanes(lanes: Sequence[Motion], scales: Scales, usual: int, coarsest: int = COARSEST) -> list[dict[str, Any]]:
     """Return the packed motions of all `lanes`. The accuracy is reduced until the motions need at most `usual` bytes
-    together. It is reduced at most `coarsest` times.
+    together. The accuracy is reduced at most `coarsest` times.
 
     Raises:
         UserError: with the lowest accuracy, the motions still need more than MOST_BYTES.
@@ -298,7 +299,7 @@ def needed_rows(time: Array, curves: Array, allowed: Array) -> Rows:
     """Return the samples that are needed to draw `curves` (T, c) by straight lines. The lines deviate from the curves
     by at most `allowed` (T, c).
 
-    Each section is divided at the value with the largest deviation (Douglas and Peucker). This is repeated until no
+    Each section is divided at the value with the largest deviation (Douglas and Peucker). Sections are divided until no
     deviation is larger than allowed.
     """
     kept = {0, len(time) - 1}

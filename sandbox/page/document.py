@@ -1,4 +1,4 @@
-"""Document of a page. It is one HTML file that contains its style, scripts, kernels and controls. The file loads
+"""Document of a page. A page is one HTML file that contains its style, scripts, kernels and controls. The file loads
 nothing else.
 """
 
@@ -26,8 +26,8 @@ POLICY = (
     "base-uri 'none'; form-action 'none'"
 )
 
-# The script of the page connects the controls to the motion. It also translates their texts into the language of the
-# reader.
+# The script of the page connects the controls to the motion. The script also translates the texts of the controls into
+# the language of the reader.
 PACES = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # Playback speeds relative to the usual playback speed of the scene.
 ICONS = {
     "play": "M8 5v14l11-7z",
@@ -36,7 +36,7 @@ ICONS = {
     "ahead": "M15.6 5H18v14h-2.4zM5 5v14l9.5-7z",
     "again": "M12 5V1.5L7 6l5 4.5V7a5.5 5.5 0 1 1-5.4 6.6h-2A7.5 7.5 0 1 0 12 5z",
 }
-# Icon of the page. It shows two overlapping beads and is an SVG file in a data address.
+# Icon of the page. The icon shows two overlapping beads and is an SVG file in a data address.
 ICON = (
     "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 32 32'%3E"
     "%3Ccircle cx='11' cy='16' r='10' fill='%230072b2'/%3E%3Ccircle cx='22' cy='16' r='10' fill='%23d08a00'/%3E%3C/svg%3E"
@@ -95,7 +95,7 @@ def page_sources() -> str:
 
 
 def digest_line(sources: str) -> str:
-    """Return the first line of the minified script. It contains a digest of `sources`."""
+    """Return the first line of the minified script. This line contains a digest of `sources`."""
     return f"// {hashlib.sha256(sources.encode()).hexdigest()[:16]}\n"
 
 
@@ -153,8 +153,8 @@ def json_text(content: Any) -> str:
 
 
 def heading(title: str, source: str) -> str:
-    """Return the head of the page. It contains the title, the section of the paper, the choice of a language, and a
-    sentence that is shown if scripts are blocked.
+    """Return the head of the page. The head contains the title, the section of the paper, the choice of a language, and
+    a sentence that is shown if scripts are blocked.
     """
     names = "".join(f'<option value="{code}">{escape(entry.name)}</option>' for code, entry in LANGUAGES.items())
     return (
@@ -168,7 +168,7 @@ def heading(title: str, source: str) -> str:
 
 
 def player(question: str, text: str, uniform: bool, alone: bool, moving: bool, lies: bool = True) -> str:
-    """Return the player. It contains the beads, the clock, the texts and the settings of the chain.
+    """Return the player. The player contains the beads, the clock, the texts and the settings of the chain.
 
     Parameters
     ----------
@@ -197,8 +197,8 @@ def player(question: str, text: str, uniform: bool, alone: bool, moving: bool, l
 
 
 def numbers(tables: str) -> str:
-    """Return the section with the numbers. It first contains live tables, which the script fills. Then the recorded
-    `tables` follow in every language.
+    """Return the section with the numbers. The section first contains live tables, which the script fills. Then the
+    recorded `tables` follow in every language.
     """
     return (
         '<details id="numbers"><summary data-say="in numbers">In numbers</summary>'
@@ -233,8 +233,8 @@ def _transport() -> str:
 
 
 def _share() -> str:
-    """Return the dialog for sharing. It contains the link, the QR code, the code for embedding the page, and the files
-    for handing in answers.
+    """Return the dialog for sharing. The dialog contains the link, the QR code, the code for embedding the page, and
+    the files for handing in answers.
     """
 
     def copied(name: str, word: str, field: str, kind: str) -> str:

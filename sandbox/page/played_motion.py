@@ -19,8 +19,8 @@ from softcradle.sandbox.trajectory_summary import bead_table, contact_table, sum
 from softcradle.scenes import Scene
 from softcradle.scenes.contact_text import contact_text
 
-# Time from the last sample before the start to the start, as a fraction of the free flight. This sample allows the
-# force to jump at the start.
+# Time from the last sample before the start to the start, as a fraction of the free flight. The sample just before the
+# start allows the force to jump at the start.
 JUST_BEFORE = 1e-6
 
 
@@ -66,7 +66,8 @@ def _drawable(scene: Scene, trajectories: Sequence[Trajectory]) -> list[Motion]:
     """Return the motions of all lanes. All of them cover the same time span.
 
     An edit may have restarted the recording of a lane. Therefore the motions begin at the latest start of a lane. Free
-    flight is added as in films. It precedes a start at t = 0, and it follows the end if all lanes have separated.
+    flight is added as in films. Free flight precedes a start at t = 0. If all lanes have separated, it also follows the
+    end.
     """
     end = max(float(found.time[-1]) for found in trajectories)
     lead, until = shown_span(scene, end)
@@ -122,7 +123,7 @@ def result_tables(played: PlayedMotion) -> str:
 
 
 def result_notes(played: PlayedMotion) -> str:
-    """Return notes about the computation of each lane. They include the warnings of the simulation."""
+    """Return notes about the computation of each lane. The notes include the warnings of the simulation."""
     parts = []
     for lane, trajectory in enumerate(played.trajectories):
         parts.append(note(_named(played, lane, recorded_sentence(trajectory))))

@@ -1,4 +1,4 @@
-"""Web page for sharing. It is one HTML file that plays a scene. The motion is either computed in the browser or
+"""Web page for sharing. A page is one HTML file that plays a scene. The motion is either computed in the browser or
 recorded.
 """
 
@@ -39,20 +39,22 @@ COARSE = 16.0  # Step of a coarse recording, in default steps.
 COARSE_SAMPLES = 361
 # Number of evenly spaced samples of the complete motion, and again of the time with closed contacts.
 EVEN_SAMPLES = 2001
-# Number of samples after each contact event. They are denser near the event, because an overlap begins as a power of
-# the time since the contact closed.
+# Number of samples after each contact event. The samples are denser near the event, because an overlap begins as a
+# power of the time since the contact closed.
 ONSET_SAMPLES = 48
 SHORTEST_ONSET = 1e-9  # Time between a contact event and the first sample after it, as a fraction of the motion.
 # Time between a contact event and the last of its additional samples, as a fraction of the motion.
 LONGEST_ONSET = 1e-2
 # Largest number of contact events with additional samples. If a motion has more events, the contacts are chattering.
-# Its curves cannot show each event.
+# The curves of such a motion cannot show each event.
 MOST_SWITCHES = 200
 
 
 @dataclass(frozen=True)
 class PageReport:
-    """Report about a written page. It contains the path, the size [bytes], and True if the page computes its motion."""
+    """Report about a written page. The report contains the path, the size [bytes], and True if the page computes its
+    motion.
+    """
 
     output: Path
     size: int
@@ -84,10 +86,10 @@ def render_page(
     """Write the page of `scene`. If possible, the browser computes the motion. Otherwise the motion is simulated now
     and recorded in the page.
 
-    `address` is the address (URL) at which the page will be published. It is used in previews of links. `slow` is the
-    number of seconds in which one second of motion is played. If it is None, the value of the scene is used. `settings`
-    are keywords of `physics.simulate`. If any are given, the motion is recorded with them. Problems of the motion are
-    reported as RuntimeWarning.
+    `address` is the address (URL) at which the page will be published. The address is used in previews of links. `slow`
+    is the number of seconds in which one second of motion is played. If it is None, the value of the scene is used.
+    `settings` are keywords of `physics.simulate`. If any are given, the motion is recorded with them. Problems of the
+    motion are reported as RuntimeWarning.
 
     Raises:
         UserError: the page cannot be written or the scene cannot be simulated. No file is left behind.
@@ -126,8 +128,8 @@ def _recorded_text(scene: Scene, trajectories: Sequence[Trajectory]) -> str:
 
 
 def _computed_text(scene: Scene) -> str:
-    """Return the text of a page that computes the motion of `scene`. It also contains a recording, which is played if
-    the browser blocks WebAssembly.
+    """Return the text of a page that computes the motion of `scene`. The page also contains a recording, which is
+    played if the browser blocks WebAssembly.
     """
     played = played_motion(scene, recorded_coarsely(scene))
     data = page_data(played, computed=True)
@@ -215,8 +217,8 @@ def recorded_coarsely(scene: Scene) -> list[Trajectory]:
 
 
 def sample_times(trajectory: Trajectory, latest: float = math.inf) -> Array:
-    """Return sample times (T,) [s] up to the time `latest` for recording a motion. They are denser after the contact
-    events of `trajectory`, which is an earlier simulation of the same motion.
+    """Return sample times (T,) [s] up to the time `latest` for recording a motion. The sample times are denser after
+    the contact events of `trajectory`, which is an earlier simulation of the same motion.
     """
     end = min(float(trajectory.time[-1]), latest)
     found = {time for spans in trajectory.contact_intervals for span in spans for time in span}

@@ -30,7 +30,7 @@ PLAIN_NUMBERS = (1e-2, 1e4)  # If the largest number of an axis is in this range
 
 @dataclass(frozen=True)
 class Curve:
-    """Curve of a chart. It has a name, coordinates x and y (T,), and a CSS class that defines its colour."""
+    """Curve of a chart. A curve has a name, coordinates x and y (T,), and a CSS class that defines its colour."""
 
     name: str
     x: Array
@@ -71,7 +71,7 @@ def bar_chart(
 ) -> str:
     """Return a figure with one line of bars for each name. The lines are above a time axis.
 
-    A bar is an interval (state, begin, end). Its times are in the unit `unit`. `axes.y` is not used.
+    A bar is an interval (state, begin, end). The times of a bar are in the unit `unit`. `axes.y` is not used.
     """
     height = TOP + BAR_PITCH * len(rows) + BOTTOM
     parts = []
@@ -99,7 +99,7 @@ def _path(curve: Curve, axes: ChartAxes) -> str:
 def _thinned(x: Array, y: Array, axes: ChartAxes) -> NDArray[np.int_]:
     """Return the indices of fewer points that draw the same curve inside the axes.
 
-    They are MOST_POINTS points that are evenly spaced in x, and the two ends of every jump.
+    The chosen points are MOST_POINTS points that are evenly spaced in x, and the two ends of every jump.
     """
     inside = np.flatnonzero((x >= axes.x[0]) & (x <= axes.x[1]))
     if not inside.size:

@@ -40,7 +40,7 @@ HEAVY = 1e4
 def is_gear(joint: Joint) -> bool:
     """Return True if the contact is drawn as a piston.
 
-    A preloaded spring is drawn as a piston. So is a coupler whose pushing side is a preloaded spring.
+    A preloaded spring is drawn as a piston. A coupler is drawn as a piston if its pushing side is a preloaded spring.
     """
     contact = joint.push if isinstance(joint, Coupler) else joint
     return isinstance(contact, Contact) and contact.preload > 0.0 and contact.stiffness > 0.0
@@ -49,8 +49,8 @@ def is_gear(joint: Joint) -> bool:
 def body_word(chain: Chain) -> str:
     """Return the word for the bodies of a chain, which is a key of BODIES. Pages use the same rule.
 
-    The word is "wagon" if all bodies are as heavy as wagons. It is "cylinder" if all contacts are draft gears.
-    Otherwise it is "bead".
+    The word is "wagon" if all bodies are as heavy as wagons. The word is "cylinder" if all contacts are draft gears.
+    Otherwise the word is "bead".
     """
     if min(chain.mass) >= HEAVY:
         return "wagon"

@@ -1,5 +1,5 @@
-"""End of a motion. The module decides whether contacts can still close. It also decides how much is shown of a motion
-with long pauses.
+"""End of a motion. The module decides whether contacts can still close. The module also decides how much is shown of a
+motion with long pauses.
 
 Tests: tests/sandbox/story/test_ending.py
 """
@@ -44,9 +44,9 @@ def quiet_end(trajectories: Sequence[Trajectory]) -> tuple[float, str]:
     """Return the end [s] of the shown motion and a sentence. The sentence is empty unless more motion follows after a
     long pause.
 
-    `trajectories` are the lanes of a scene. A pause is long compared with the time seen before it. This time lasts from
-    the start until the last contact opens. The time in which the closing speed crosses all gaps is added to it, because
-    beads that are far apart need more time to meet.
+    `trajectories` are the lanes of a scene. A pause is long compared with the time seen before it. The time before a
+    pause lasts from the start of the motion until the last contact opens. The time in which the closing speed crosses
+    all gaps is added to it, because beads that are far apart need more time to meet.
     """
     end = max(float(found.time[-1]) for found in trajectories)
     spans = sorted(span for found in trajectories for spans in found.contact_intervals for span in spans)

@@ -1,5 +1,5 @@
-"""Description of the motion of one lane until a chosen moment. It contains the first hit, the number of closed
-contacts, the last opening of a contact, and the outcome.
+"""Description of the motion of one lane until a chosen moment. The description contains the first hit, the number of
+closed contacts, the last opening of a contact, and the outcome.
 """
 
 from __future__ import annotations
@@ -100,8 +100,8 @@ def story_of(trajectory: Trajectory) -> LaneStory:
 def motion_outcome(motion: Motion, lasts: bool) -> Outcome:
     """Return the outcome of a motion that is drawn.
 
-    On a friction bed, beads continue to slow down after they have separated. Their outcome therefore uses the
-    velocities at the moment of separation. If the scene has a duration (`lasts`), it uses the final velocities.
+    On a friction bed, beads continue to slow down after they have separated. The outcome of these beads therefore uses
+    the velocities at the moment of separation. If the scene has a duration (`lasts`), it uses the final velocities.
     """
     row = len(motion.time) - 1
     if motion.chain.on_bed and not lasts:

@@ -1,5 +1,5 @@
 """Conversion of numbers into text with the decimal mark of the current language. The module writes tick labels, powers
-of ten and units. It also moves labels apart that would overlap.
+of ten and units. The module also moves labels apart that would overlap.
 """
 
 import math
@@ -85,7 +85,8 @@ def axis_prefix(largest: float) -> tuple[float, str]:
     """Return (size, prefix) of the unit of an axis. `largest` is the largest value on the axis. For 253 000, the result
     is (1e3, "k").
 
-    The prefix is empty if `largest` is below LARGEST_PLAIN. It is also empty if no prefix makes the numbers short.
+    The prefix is empty if `largest` is below LARGEST_PLAIN. The prefix is also empty if no prefix makes the numbers
+    short.
     """
     if not LARGEST_PLAIN <= largest < LARGEST_PREFIXED:
         return 1.0, ""
@@ -120,8 +121,8 @@ def factor(value: float) -> str:
 
 
 def round_step(span: float, most: int) -> float:
-    """Return a round step that divides `span` > 0 into at most `most` parts. It is the smallest such number of the form
-    1, 2 or 5 times a power of ten.
+    """Return a round step that divides `span` > 0 into at most `most` parts. The step is the smallest such number of
+    the form 1, 2 or 5 times a power of ten.
     """
     power = 10.0 ** math.floor(math.log10(span / most))
     return next(k * power for k in (1.0, 2.0, 5.0, 10.0, 20.0) if span <= k * power * most * (1.0 + 1e-9))
@@ -151,7 +152,7 @@ def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
 
 
 def decades(low: int, high: int, most: int) -> list[tuple[float, str]]:
-    """Return at most `most` + 1 whole exponents from `low` to `high`. Their labels are powers of ten."""
+    """Return at most `most` + 1 whole exponents from `low` to `high`. The labels of the exponents are powers of ten."""
     step = max(1, math.ceil((high - low) / most))
     return [(float(k), power_of_ten(k)) for k in range(high, low - 1, -step)]
 

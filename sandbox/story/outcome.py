@@ -1,14 +1,14 @@
-"""Outcome of a motion. It describes which beads move together, which beads nearly stand still, and the speeds of the
-other beads.
+"""Outcome of a motion. The outcome describes which beads move together, which beads nearly stand still, and the speeds
+of the other beads.
 
 Definitions
 -----------
 The *change* of a bead is the change of its velocity since the start. Neighbouring beads move **together** if their
 velocities are nearly equal. The difference may be at most TOGETHER times the smallest change among these beads. If a
 cluster is hit as one rigid body, all its beads have equal changes. The definition therefore measures how far the
-cluster is from rigid. It does not depend on the frame of reference or on the direction in which beads are counted.
-Differences below RESOLUTION times the largest change in the chain do not count. Beads that a collision has hardly moved
-therefore stay together.
+cluster is from rigid. The definition does not depend on the frame of reference or on the direction in which beads are
+counted. Differences below RESOLUTION times the largest change in the chain do not count. Beads that a collision has
+hardly moved therefore stay together.
 
 Groups **nearly stand still** if they are slow and have little momentum and energy. Slow means at most SLOW times the
 largest speed at the start. All these groups together have at most STILL_MOMENTUM of the momentum and STILL_ENERGY of
@@ -46,8 +46,8 @@ STILL_ENERGY = 0.01
 # Largest speed that counts as a rounding error, as a fraction of the largest speed at the start. A group with a smaller
 # speed stands exactly still.
 AT_REST = 1e-6
-# Largest relative difference between two numbers that count as equal. It ensures that a chain and its mirror image have
-# the same groups.
+# Largest relative difference between two numbers that count as equal. This tolerance ensures that a chain and its
+# mirror image have the same groups.
 EQUAL = 1e-6
 
 MOVES, NEARLY_STILL, STILL = "moves", "nearly still", "still"
@@ -153,7 +153,7 @@ class _Row:
         """Return the groups of the beads from `first` to `last`, which are not walls.
 
         A part whose beads do not move together is split at the largest difference between the velocities of neighbours.
-        This is repeated until the beads of each part move together.
+        Parts are split until the beads of each part move together.
         """
         found, left = [], [(first, last)]
         while left:

@@ -168,7 +168,7 @@ WORDS: dict[str, str] = {
     "made": N_("made with"),
 }
 
-# Words whose translation depends on the context. They are the objects of "Compare with" and the word for an open
+# Words whose translation depends on the context. Such words are the objects of "Compare with" and the word for an open
 # contact.
 WORDS_IN_CONTEXT: dict[str, dict[str, str]] = {
     "compare with": {

@@ -1,5 +1,5 @@
-"""Explanation of a collision at the moment of the largest push. It contains the overlap of each contact and its share
-of the largest force.
+"""Explanation of a collision at the moment of the largest push. The explanation contains the overlap of each contact
+and its share of the largest force.
 
 Pages write the same sentence by the same rule. The rule has three steps:
 
@@ -8,8 +8,9 @@ Pages write the same sentence by the same rule. The rule has three steps:
    strongest contact on: the strongest contact, the contacts that follow it, and the last contact, MOST in total.
 2. :func:`push_of` compares the share of each contact in the largest force with its share in a solid block. In a solid
    block, the share is the mass beyond the contact divided by the mass beyond the strongest contact. The result is
-   AT_ONCE if no share differs by more than the factor SOLID. It is WAVE if the contact at the end carries less than the
-   fraction NOTHING of its share. Otherwise it is PARTLY.
+   AT_ONCE if no share differs by more than the factor SOLID. The result is WAVE if the contact at the end carries less
+       than the
+   fraction NOTHING of its share. Otherwise the result is PARTLY.
 3. :func:`why_words` writes the lengths with :func:`length_text`, the shares with :func:`share_texts`, and a conclusion.
 
 Tests: tests/sandbox/story/test_why.py

@@ -15,7 +15,8 @@ from softcradle.sandbox.user_error import named
 if TYPE_CHECKING:
     from softcradle.sandbox.studies.claims.claim import JudgedClaim
 
-KEPT = "claims"  # Name of a file store in the output folder. It keeps the measured cases until all cases are measured.
+# Name of a file store in the output folder. The store keeps the measured cases until all cases are measured.
+KEPT = "claims"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

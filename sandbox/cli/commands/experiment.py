@@ -1,5 +1,5 @@
-"""`softcradle experiment`: explain the losses of momentum and energy in the experiment of the paper. It computes the
-parts that are caused by friction on the bed and by caught pistons.
+"""`softcradle experiment`: explain the losses of momentum and energy in the experiment of the paper. The command
+computes the parts of the losses that are caused by friction on the bed and by caught pistons.
 """
 
 from __future__ import annotations

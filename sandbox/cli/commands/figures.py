@@ -1,5 +1,5 @@
-"""`softcradle figures`: draw the figures of the paper. It also draws figures of data that the paper mentions but does
-not show.
+"""`softcradle figures`: draw the figures of the paper. The command also draws figures of data that the paper mentions
+but does not show.
 """
 
 import argparse
@@ -7,7 +7,8 @@ import argparse
 from softcradle.sandbox.cli.arguments import LISTED, add_open, open_with_desktop, picture_folder, refuse_options
 from softcradle.sandbox.console import ProgressShown, print_rows
 
-KEPT = "figures"  # Name of a file store in the output folder. It keeps the computed tables until all figures are drawn.
+# Name of a file store in the output folder. The store keeps the computed tables until all figures are drawn.
+KEPT = "figures"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

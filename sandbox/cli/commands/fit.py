@@ -1,4 +1,6 @@
-"""`softcradle fit`: fit the free values of a scene to measured data. It also searches for values that reach a goal."""
+"""`softcradle fit`: fit the free values of a scene to measured data. The command also searches for values that reach a
+goal.
+"""
 
 from __future__ import annotations
 
@@ -235,7 +237,9 @@ def _strongest(found: SceneFit) -> str:
 
 
 def print_scatter(found: Sequence[SceneFit]) -> None:
-    """Print the mean and the scatter of each fitted value. They follow from the fits of several tables of data."""
+    """Print the mean and the scatter of each fitted value. Mean and scatter follow from the fits of several tables of
+    data.
+    """
     import numpy as np
 
     rows = []

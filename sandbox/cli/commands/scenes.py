@@ -23,7 +23,7 @@ def main(args: argparse.Namespace) -> int:
     if args.scene is not None:
         from softcradle.scenes import text_of
 
-        scene = load_scene(args.scene)  # This call raises UserError if the scene does not exist.
+        scene = load_scene(args.scene)  # `load_scene` raises UserError if the scene does not exist.
         _print_file(scene.model_dump_json(indent=2) + "\n" if args.json else text_of(args.scene))
         return 0
     from softcradle.scenes import load, names
