@@ -71,7 +71,7 @@ def render_scene(
         output: name of the output. A name that ends in .mp4 or .gif is a film. A name that ends in .png is one picture
             at the largest force. A folder, which ends in /, contains numbered PNG files.
         size: (width, height) [pixels].
-        fps: frames per second. None means 60 for mp4 and folders, 25 for GIF, and 30 for WebP and AVIF.
+        fps: frames per second. None means 60 for mp4 and folders, and 25 for GIF.
         slow: seconds of film for each second of motion. None uses the value of the scene.
         method, step: method and time step of the simulation. None uses the values of the scene. The default is
             `conserving`. Its steps are a thousandth of the shortest contact and finer than a pixel.
