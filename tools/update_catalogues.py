@@ -68,7 +68,7 @@ def _of_scenes() -> Iterator[Found]:
 
     for name in names():
         scene = load(name)
-        for text in (scene.title, scene.text, scene.source, *(lane.label for lane in scene.lanes)):
+        for text in (scene.title, scene.question, scene.text, scene.source, *(lane.label for lane in scene.lanes)):
             if text:
                 yield " ".join(text.split()), f"scenes/catalogue/{name}.toml", None
 

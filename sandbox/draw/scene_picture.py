@@ -157,7 +157,7 @@ class Picture:
         title = shortened(scene_words(self.scene.title), 25 * unit, room, bold=True)
         write(surface, title, header.topleft, 25 * unit, tones.foreground, bold=True)
         line = "  ·  ".join(
-            part for part in (self.scene.question or scene_words(self.scene.source), self.motions[0].method) if part
+            part for part in (scene_words(self.scene.question or self.scene.source), self.motions[0].method) if part
         )
         write(surface, shortened(line, 14 * unit, room), (header.left, line_y), 14 * unit, tones.muted)
         write(surface, speed_text(self.slow), (header.right, line_y), 14 * unit, tones.muted, align=(1, 0))

@@ -216,7 +216,9 @@ def message_words(text: str) -> str:
 
 
 def _value_words(name: str, value: object) -> object:
-    """Return a value that is inserted into a message. If the value is a message or the noun `what`, translate it."""
+    """Return a value that is inserted into a message. If the value is a message, a noun (`what`) or the `label` of a lane,
+    translate it.
+    """
     if isinstance(value, Message):
         return message_words(value)
-    return gettext(value) if name == "what" and isinstance(value, str) else value
+    return gettext(value) if name in ("what", "label") and isinstance(value, str) else value

@@ -159,7 +159,7 @@ class LessonRunner:
         if not self._waits:
             return ""
         if not self.own:
-            return self.session.scene.question
+            return scene_words(self.session.scene.question)
         if self.lesson is None:
             return ""
         text = _(self.lesson.question)
@@ -200,7 +200,7 @@ class LessonRunner:
         self.host.choose(self.title, self.question, self.choices, neutral=True)
 
     def _ask_typed(self) -> None:
-        self.host.ask(_("What do you predict?"), self.session.scene.question, "", self._take_typed)
+        self.host.ask(_("What do you predict?"), scene_words(self.session.scene.question), "", self._take_typed)
 
     def _take_typed(self, text: str) -> None:
         self._forget()

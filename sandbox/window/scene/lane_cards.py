@@ -237,7 +237,7 @@ def _numbers(state: Health) -> list[tuple[str, str]]:
     return [
         (_("velocity error"), _error(state.velocity_error, _("not known"))),
         (_("energy error"), _error(state.energy_error, _("not known"))),
-        (_("momentum error"), _error(state.momentum_error, _("not conserved (wall, bed)"))),
+        (_("momentum error"), _error(state.momentum_error, _("not conserved"))),
         (_("chatter"), chatter),
         (_("time per frame"), f"{fixed(state.milliseconds, 2)} ms"),
     ]

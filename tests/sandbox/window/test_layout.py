@@ -105,11 +105,6 @@ def faults_of_texts(driver: Driver) -> list[str]:
     return found
 
 
-def faults_of_cradle(driver: Driver) -> list[str]:
-    room, places = 28 * driver.app.unit, zip(driver.app.page.lanes, driver.app.page.pictures, strict=True)
-    return [f"the name of a cradle lies on its beam {rect}" for lane, rect in places if rect.top - lane.top < room]
-
-
 def faults_of_scene(driver: Driver) -> list[str]:
     page, unit, found = driver.page, driver.app.unit, []
     places, inspector, controls = page.view.places, page.inspector, page.time_controls
@@ -158,7 +153,7 @@ def test_nothing_overlaps_or_is_cut(size, code, lab, monkeypatch) -> None:
             prepare(driver)
             driver.frames(2)
             wrong = faults(driver) + faults_of_texts(driver)
-            wrong += faults_of_cradle(driver) if name == "cradle" else faults_of_scene(driver) if start else []
+            wrong += faults_of_scene(driver) if start else []
             found += [f"{name} at {scale}: {one}" for one in wrong]
     assert len(looked_at) > 2
     assert not found, "\n" + "\n".join(found[:40])
