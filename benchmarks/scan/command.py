@@ -128,9 +128,10 @@ def _compute(
     # kernels.
     compiled()
     with ProgressShown("chains") as progress:
+        # Each chain is a chunk, so that an interrupted scan keeps every finished chain.
         map_points(
             function, points, None, lambda _, done, count: progress.tell("chains", done, count), args.jobs,
-            executor=where, each=keep,
+            executor=where, each=keep, chunk_seconds=0.0,
         )  # fmt: skip
 
 
