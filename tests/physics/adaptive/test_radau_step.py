@@ -285,7 +285,7 @@ def test_a_force_from_wall_to_wall_stays_as_it_is(mass, h):
     assert used > 0
     assert trial.force == pytest.approx(0.5, abs=1e-12)
     assert trial.overlap == pytest.approx(0.0, abs=1e-12)
-    assert embedded_error(h, data, motion, trial, np.ones((4, 3))) < 1e-11
+    assert embedded_error(h, data, motion, trial, np.ones((WORK_ROWS, 3))) < 1e-11
 
 
 @pytest.mark.parametrize("seed", range(20))

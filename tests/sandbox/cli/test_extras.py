@@ -60,7 +60,8 @@ CORE = "scenes", "run one-on-four --method verlet --step 1e-2", "check mixed", "
 @pytest.mark.parametrize("program", [PYMUNK_GAME, *(MAIN.format(arguments=words.split()) for words in CORE)])
 def test_games_and_commands_of_the_core_need_no_extra(program, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = run(tuple(EXTRA_OF), program)
+    # A wheel contains compiled catalogues of messages. A checkout reads the sources of the catalogues with Babel.
+    done = run(tuple(name for name in EXTRA_OF if name != "babel"), program)
     assert done.returncode == 0, done.stderr
 
 
