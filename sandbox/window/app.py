@@ -36,7 +36,7 @@ STANDARD_INPUT = "-"
 DESIGN = (1280, 720)  # Size in pixels of the window that has one design pixel per pixel.
 # Smallest sizes in design pixels, in the Lab and in Explore. Every page fits into a window of this size. A larger scale
 # is reduced until the page fits.
-LEAST, LEAST_EXPLORED = (850, 500), (850, 500)
+LEAST, LEAST_EXPLORED = (850, 500), (640, 400)
 FRAMES_A_SECOND = 60
 # Longest time step of a frame in seconds of wall time. A window that was suspended does not make up for the lost time.
 LONGEST_FRAME = 0.25
