@@ -394,8 +394,12 @@ class GalleryPage(Page):
         self._arrange()
 
     def _arrange(self) -> None:
-        names = found(self.captions, self.search)
-        sections = [Section(FOUND, tuple(names))] if self.search and names else sections_of(names, self.mine)
+        sections = sections_of(list(self.captions), self.mine)
+        # A search keeps the order of the gallery among scenes of the same rank.
+        ordered = {name: self.captions[name] for section in sections for name in section.names}
+        names = found(ordered, self.search)
+        if self.search:
+            sections = [Section(FOUND, tuple(names))] if names else []
         self.names = tuple(name for section in sections for name in section.names)
         self.selected = min(self.selected, max(0, len(self.names) - 1))
         self.grid.arrange(self.host.size, self.host.unit, sections)

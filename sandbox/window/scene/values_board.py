@@ -109,6 +109,11 @@ class TablePlace:
     top: float
 
     @property
+    def fits(self) -> bool:
+        """True if the columns have enough space."""
+        return self.columns.right[-1] <= self.rect.width + 0.5
+
+    @property
     def whole(self) -> bool:
         """True if all rows are visible."""
         return self.last - self.first == self.count
@@ -123,22 +128,33 @@ class TablePlace:
 
 
 def table_places(
-    lanes: Sequence[LiveLane], area: pygame.Rect, unit: float, first: Mapping[tuple[int, str], int], chosen: int = 0
+    lanes: Sequence[LiveLane],
+    area: pygame.Rect,
+    unit: float,
+    first: Mapping[tuple[int, str], int],
+    chosen: Pick | None = None,
 ) -> list[TablePlace]:
     """Return the layouts of the tables of all lanes. Beads and contacts are side by side.
 
     `first` contains the first visible row of each table. If there is too little space for all lanes, return only the
-    tables of the lane `chosen`.
+    tables of the lane of the selection `chosen`. If two tables do not fit side by side, return only the table of beads.
+    If a contact is selected, return the table of contacts instead.
     """
     places, roomy = [], area.height >= len(lanes) * (HEADING + 2.0 * LINE) * unit
-    for lane, live in enumerate(lanes) if roomy else [(chosen, lanes[chosen])]:
+    only, alone = (BEAD, 0) if chosen is None else (chosen.kind, chosen.lane)
+    for lane, live in enumerate(lanes) if roomy else [(alone, lanes[alone])]:
         height = area.height // (len(lanes) if roomy else 1)
         rect = pygame.Rect(area.left, area.top + (lane * height if roomy else 0), area.width, height)
         half = round(BEADS_SHARE * rect.width)
         left = pygame.Rect(rect.left, rect.top, half - round(BETWEEN * unit), rect.height)
         right = pygame.Rect(rect.left + half, rect.top, rect.width - half, rect.height)
-        for kind, count, side in ((BEAD, live.chain.contacts + 1, left), (CONTACT, live.chain.contacts, right)):
-            places.append(_place(Pick(lane, kind, count), side, columns_of(live, kind), unit, first))
+        ends = (Pick(lane, BEAD, live.chain.contacts + 1), left), (Pick(lane, CONTACT, live.chain.contacts), right)
+        tables = [_place(end, side, columns_of(live, end.kind), unit, first) for end, side in ends]
+        if all(table.fits for table in tables):
+            places += tables
+        else:
+            end = next(end for end, _side in ends if end.kind == only)
+            places.append(_place(end, rect, columns_of(live, only), unit, first))
     return places
 
 
@@ -173,10 +189,9 @@ class ValuesBoard:
 
     def arrange(self) -> None:
         """Place the tables, and scroll to the row of the selected bead or contact."""
-        area, pick = self.area(), self.editor.selection
-        chosen = 0 if pick is None else pick.lane
-        lanes, unit = self.session.lanes, self.host.unit
-        self.places = [] if area is None else table_places(lanes, area, unit, self._first, chosen)
+        area, lanes = self.area(), self.session.lanes
+        pick, unit = self.editor.selection, self.host.unit
+        self.places = [] if area is None else table_places(lanes, area, unit, self._first, pick)
         if self.places:
             self._shown.follow()
 

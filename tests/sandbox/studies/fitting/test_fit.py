@@ -260,7 +260,7 @@ def test_the_command_writes_scene_figure_and_numbers(softcradle, gliders, tmp_pa
         ([], "fit needs a table of measurements or a --goal, and not both"),
         (["DATA", "--goal", "least peak force"], "and not both"),
         (["DATA", "-o", "x.html"], "cannot write x.html: fit writes .toml, .json, .png, .pdf, .svg"),
-        (["DATA", "-o", "nowhere/x.toml"], "the folder"),
+        (["DATA", "-o", "nowhere/x.toml"], "nowhere does not exist"),
         (["DATA", "--column", "New 0000 X"], "--column must be NAME=PLACE"),
         (["DATA", "--column", "New 0009 X=position 0"], "there is no column 'New 0009 X'; it contains 'New 0000 X'"),
         (["DATA", "--column", "New 0000 X=position 4"], "position 4 does not exist; the numbers are 0 to 1"),

@@ -9,7 +9,7 @@ from softcradle.sandbox.draw.lane_drawing import ARROWS
 from softcradle.sandbox.session.inputs import SetMass
 from softcradle.sandbox.window.scene.editor import Pick
 from softcradle.sandbox.window.scene.toolbar import MENUS
-from softcradle.sandbox.window.scene.values_board import MOST_DIGITS
+from softcradle.sandbox.window.scene.values_board import MOST_DIGITS, table_places
 
 from tests.helpers.drawn_text import colliding
 from tests.helpers.windows import Driver
@@ -55,6 +55,19 @@ def test_values_and_outcome_are_shown_and_copied(driver: Driver) -> None:
     # The table of values replaces the plots. If the plots are hidden, the table cannot be shown.
     for key in (pygame.K_b, pygame.K_t, pygame.K_t):
         driver.key(key)
+
+
+def test_a_table_that_does_not_fit_leaves_out_the_other(driver: Driver) -> None:
+    lanes, wide, narrow = driver.session.lanes, pygame.Rect(0, 0, 700, 200), pygame.Rect(0, 0, 350, 200)
+    for area, pick, kinds in (
+        (wide, None, ["bead", "contact"]),
+        (narrow, None, ["bead"]),
+        (narrow, Pick(0, "bead", 1), ["bead"]),
+        (narrow, Pick(0, "contact", 1), ["contact"]),
+    ):
+        places = table_places(lanes, area, 1.0, {}, pick)
+        assert [place.kind for place in places] == kinds
+        assert all(place.fits and area.contains(place.rect) for place in places)
 
 
 def test_a_scene_is_copied_as_text_and_pasted(driver: Driver) -> None:
