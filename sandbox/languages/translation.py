@@ -92,25 +92,32 @@ def catalogue_path(code: str) -> Path:
     return Path(__file__).parent / code / "LC_MESSAGES" / f"{DOMAIN}.po"
 
 
+def compiled_catalogue(code: str) -> Path | None:
+    """Return the path of the compiled translations into a language, or None if the .po file was edited since then."""
+    path = catalogue_path(code)
+    compiled = path.with_suffix(".mo")
+    outdated = path.exists() and compiled.exists() and path.stat().st_mtime > compiled.stat().st_mtime
+    return compiled if compiled.exists() and not outdated else None
+
+
 @lru_cache
 def catalogue(code: str) -> NullTranslations:
-    """Return the translations into a language. An installed package contains compiled translations. A checkout contains
-    only the .po files.
+    """Return the translations into a language.
 
-    A checkout compiles its .po files when it reads them. No build step is needed, but Babel must be installed.
+    The installation compiles the .po files. If a .po file was edited since then, it is compiled here, and Babel must be
+    installed.
     """
     from gettext import GNUTranslations
 
-    path = catalogue_path(code)
-    compiled = path.with_suffix(".mo")
-    if compiled.exists() and not (path.exists() and path.stat().st_mtime > compiled.stat().st_mtime):
+    compiled = compiled_catalogue(code)
+    if compiled is not None:
         with compiled.open("rb") as file:
             return GNUTranslations(file)
     with needed_for("a checkout in another language than English", "dev"):
         from babel.messages.mofile import write_mo
         from babel.messages.pofile import read_po
     found = io.BytesIO()
-    with path.open("rb") as file:
+    with catalogue_path(code).open("rb") as file:
         write_mo(found, read_po(file, locale=code))
     return GNUTranslations(io.BytesIO(found.getvalue()))
 

@@ -5,6 +5,7 @@ A command that needs a missing package must name the extra that installs it. All
 
 import pytest
 from softcradle.physics.extras import EXTRA_OF, needed_for
+from softcradle.sandbox.languages.translation import compiled_catalogue
 
 from tests.helpers.own_process import python
 from tests.helpers.paths import ROOT
@@ -60,8 +61,9 @@ CORE = "scenes", "run one-on-four --method verlet --step 1e-2", "check mixed", "
 @pytest.mark.parametrize("program", [PYMUNK_GAME, *(MAIN.format(arguments=words.split()) for words in CORE)])
 def test_games_and_commands_of_the_core_need_no_extra(program, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    # A wheel contains compiled catalogues of messages. A checkout reads the sources of the catalogues with Babel.
-    done = run(tuple(name for name in EXTRA_OF if name != "babel"), program)
+    # Catalogues of messages that were edited since the installation can only be read with Babel.
+    edited = not all(map(compiled_catalogue, ("de", "fr")))
+    done = run(tuple(name for name in EXTRA_OF if name != "babel" or not edited), program)
     assert done.returncode == 0, done.stderr
 
 
