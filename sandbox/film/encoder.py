@@ -230,8 +230,8 @@ def open_film(
 ) -> Iterator[Film]:
     """Open a film for writing. The frames of the film can show anything, such as a pymunk Space.
 
-    The file `output` appears when the block ends without an error. After an error, it is not written. Films have no
-    sound and no transparent background.
+    The file `output` appears when the block ends without an error. After an error, it is not written. Films have
+    neither sound nor a transparent background.
 
     Parameters
     ----------

@@ -467,7 +467,7 @@ class Session:
 
     @property
     def edited(self) -> bool:
-        """True if the lanes start differently from those of the opened scene. The text of the scene may then be wrong."""
+        """True if the start of a lane differs from that of the opened scene. The text of the scene may then be wrong."""
         try:
             return self.to_scene().lanes != self.scene.lanes
         except ValueError:  # A scene file cannot express the session.

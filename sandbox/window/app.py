@@ -55,9 +55,8 @@ class App:
         size: size of the window [pixels].
         start: name of a scene, or path of a scene or session file, to open; None shows the gallery.
         lab: if True, start with all controls (Lab), whichever level the settings file contains.
-        clock: function that returns the wall time [s]. The computation of a frame ends when the time for the frame is
-            used
-            up.
+        clock: function that returns the wall time [s]. When the time for a frame is used
+            up, its computation ends.
     """
 
     def __init__(

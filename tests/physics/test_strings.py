@@ -162,7 +162,7 @@ def test_balls_with_losses_end_up_swinging_together():
         steel, [-SPEED, 0.0, 0.0, 0.0, 0.0], 60 * PERIOD, "conserving", step=PERIOD / 2000, samples=601
     )
     share = relative_energy(found)
-    assert share[0] == pytest.approx(0.8)  # One of five balls moves, so the share is 1 - 1/5.
+    assert share[0] == pytest.approx(0.8)  # Only the first of five balls moves, so the share is 1 - 1/5.
     assert share[-100:].max() < 1e-3
     # The common swing of all balls does not lose energy, so a fifth of the energy remains.
     left = (found.kinetic_energy + found.string_energy)[-1] / found.kinetic_energy[0]

@@ -94,9 +94,8 @@ class PlotBoard:
     """The plots of a session. In each frame, `clock` [s] limits the time for drawing missing columns.
 
     Attributes:
-        chosen: names of the kinds of plots that the user wants, in the order of the table. This session may not be able
-            to
-            show all of them.
+        chosen: names of the kinds of plots that the user wants, in the order of the table. Some of them may not
+            fit the session.
         single: name of the only visible kind in Explore; empty in the Lab.
         hidden: True while all plots are hidden.
         logarithmic: True if overlaps have a logarithmic axis.
