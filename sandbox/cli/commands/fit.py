@@ -161,16 +161,23 @@ def _column(text: str) -> tuple[str, str]:
     return name, place
 
 
-def _write(path: Path, found: SceneFit, content: dict[str, Any]) -> None:
+def _write(path: Path, found: SceneFit | SceneDesign, content: dict[str, Any]) -> None:
+    """Write the scene, the numbers, the figure of a fit or the page of a design, as the suffix of `path` says."""
     from softcradle.sandbox.files import readable_json
 
     if path.suffix == SCENE:
         path.write_text(found.scene.to_toml(), encoding="utf-8")
     elif path.suffix == NUMBERS:
         path.write_text(readable_json(content) + "\n", encoding="utf-8")
+    elif path.suffix == PAGE:
+        from softcradle.sandbox.page import scene_text
+
+        path.write_text(scene_text(found.scene)[0], encoding="utf-8")
     else:
+        from softcradle.sandbox.studies.fitting.fit_scene import SceneFit
         from softcradle.sandbox.studies.plot_style import save_figure
 
+        assert isinstance(found, SceneFit)
         save_figure(found.plot(), path)
 
 
@@ -270,26 +277,13 @@ def _design(args: argparse.Namespace, scene: Scene) -> int:
             found = design(scene, args.goal, args.free, seed=args.seed, progress=progress.tell)
         content = found.numbers()
         for place in temporary:
-            _write_design(place, found, content)
+            _write(place, found, content)
     if args.json:
         print_json(content)
     else:
         _print_design(found)
     written.report(wanted, show=args.open, silent=args.json)
     return 0
-
-
-def _write_design(path: Path, found: SceneDesign, content: dict[str, Any]) -> None:
-    from softcradle.sandbox.files import readable_json
-
-    if path.suffix == SCENE:
-        path.write_text(found.scene.to_toml(), encoding="utf-8")
-    elif path.suffix == NUMBERS:
-        path.write_text(readable_json(content) + "\n", encoding="utf-8")
-    else:
-        from softcradle.sandbox.page import scene_text
-
-        path.write_text(scene_text(found.scene)[0], encoding="utf-8")
 
 
 def _print_design(found: SceneDesign) -> None:
