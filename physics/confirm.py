@@ -178,7 +178,7 @@ def confirmed(problem: Problem, first: Record) -> Record:
         tolerance = finer_tolerance(runs[-1].tolerance)
         assert tolerance is not None
         budget = min(int(FINER * (runs[-1].steps + STEPS_A_CONTACT)), aim.budget)
-        records.append(to_its_end(_shaken_run(problem, tolerance, len(runs), budget=budget)))
+        records.append(to_its_end(_perturbed_run(problem, tolerance, len(runs), budget=budget)))
         runs.append(_run_of(records[-1], tolerance))
     chosen = records[found.run]
     return replace(
@@ -256,20 +256,20 @@ def _error_of(apart: Array) -> Array:
     return np.maximum(DOUBT * apart, apart.max())
 
 
-def _shaken_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> Problem:
+def _perturbed_run(problem: Problem, tolerance: float, runs: int, **other: Any) -> Problem:
     """Return the problem with another tolerance and a slightly perturbed chain.
 
     The perturbation is a fraction of the tolerance. `other` fields replace those of the problem. Steps between jumps of
     a force are the same at all tolerances. Two runs of the same chain would then have the same errors, and so would two
     runs with the same perturbation. Therefore the sign of the perturbation alternates with the number of `runs`.
     """
-    chain, state = _shaken(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
+    chain, state = _perturbed(problem.chain, (-1) ** runs * TOLERANCE_PART * tolerance), problem.state.copy()
     # Rates are perturbed as well, by a few units of round-off.
     state.rate *= _up_and_down(runs * float_info.epsilon, state.rate.size)
     return replace(problem, tolerance=tolerance, chain=chain, state=state, **other)
 
 
-def _shaken(chain: Chain, part: float) -> Chain:
+def _perturbed(chain: Chain, part: float) -> Chain:
     """Return the chain with forces perturbed by the fraction `part`. With user-defined laws, perturb the masses
     instead.
 

@@ -291,7 +291,7 @@ def _fine_ends(motion: Motion, method: str) -> Array:
         if len(ends) >= LEAST_FINE_RUNS:
             break
         for part in (0.0, ROUND_OFF):
-            chain = _shaken(motion.chain, part)
+            chain = _perturbed(motion.chain, part)
             found = solve(chain, motion.velocity, motion.duration, method, None, 2, tolerance, MOST_FINE_STEPS)
             if not found.status.gave_up:
                 ends.append(found.final_velocity)
@@ -328,12 +328,12 @@ def _conserving(motion: Motion, parts_of_contact: tuple[int, ...], last: float) 
     runs = []
     for k, parts in enumerate(parts_of_contact):
         step = max(longest / parts, last / MOST_STEPS)
-        chain = _shaken(motion.chain, k * SHAKE)
+        chain = _perturbed(motion.chain, k * SHAKE)
         runs.append(solve(chain, motion.velocity, motion.duration, "conserving", step, samples=2).final_velocity)
     return np.array(runs)
 
 
-def _shaken(chain: Chain, part: float) -> Chain:
+def _perturbed(chain: Chain, part: float) -> Chain:
     factors = np.resize([1.0 + part, 1.0 - part], chain.contacts)
     return replace(chain, contact=tuple(map(_times, chain.contact, factors.tolist())))
 

@@ -34,16 +34,14 @@ AT_ONCE = 7  # Number of consecutive events without a step between them
 LOCAL_SQUARE = 8  # Sum of the squared errors of all steps [m²/s²]
 GROWTH = 9  # Error amplification by all completed bounces, minus 1
 START = 10  # Start time of the run [s]
-# Part of LOCAL_SQUARE that finer runs contain as well, so that a comparison of runs does not show it
-UNSEEN_SQUARE = 11
-CONTINUES = 12  # Nonzero if the error estimate of the previous frame continues, see `begin_estimate`
-CARRIED_SQUARE = 13  # Initial value of LOCAL_SQUARE if the estimate does not continue
-ENDING = 14  # Error amplification by the bounces in progress at the end of the run
-IMPACTS = 15  # Number of contacts that closed at full speed
-MASS = 16  # Total mass [kg]; 0 if a wall, a bed or strings exert a force on the beads
-CENTRE = 17  # Velocity of the centre of mass [m/s]
+CONTINUES = 11  # Nonzero if the error estimate of the previous frame continues, see `begin_estimate`
+CARRIED_SQUARE = 12  # Initial value of LOCAL_SQUARE if the estimate does not continue
+ENDING = 13  # Error amplification by the bounces in progress at the end of the run
+IMPACTS = 14  # Number of contacts that closed at full speed
+MASS = 15  # Total mass [kg]; 0 if a wall, a bed or strings exert a force on the beads
+CENTRE = 16  # Velocity of the centre of mass [m/s]
 # Number of entries
-CONTROLS = 18
+CONTROLS = 17
 
 STAGES = 12  # Number of stages of dop853
 # Rows (n+1,) of `Scratch.work`. Each row has one use, so none of them can be overwritten by another part of a step.

@@ -25,7 +25,6 @@ from softcradle.physics.adaptive.step_records import (
     LOCAL_SQUARE,
     PRESSED,
     START,
-    UNSEEN_SQUARE,
 )
 from softcradle.physics.numerics.graph_kernels import has_segments
 from softcradle.physics.numerics.jit import inlined, piece
@@ -252,8 +251,7 @@ def count_parting(i, before, ctx):
     local errors.
 
     At the neglected rate e it would have opened by e T in the time T since then. The acceleration a of its beads closes
-    this gap at the speed sqrt(2 a e T), and a bounce changes velocities by twice as much. If the neglected rate is
-    round-off, finer runs neglect it as well, so the difference between runs does not show this error.
+    this gap at the speed sqrt(2 a e T), and a bounce changes velocities by twice as much.
     """
     chain, motion, scratch, pushed = ctx.chain, ctx.motion, ctx.scratch, 0.0
     if motion.mode[i] == LOADED:
@@ -263,7 +261,6 @@ def count_parting(i, before, ctx):
             return
     square = 8.0 * pushed * scratch.parting[i] * spread_time(before - scratch.parted[i], chain)
     scratch.control[LOCAL_SQUARE] += square
-    scratch.control[UNSEEN_SQUARE] += square if scratch.parting[i] <= ctx.bounds.round_off else 0.0
     scratch.parting[i] = 0.0
 
 
@@ -292,7 +289,7 @@ def begin_estimate(time, motion, scratch):
     control[ENDING] = 0.0
     if control[CONTINUES] != 0.0:
         return
-    control[LOCAL_SQUARE], control[GROWTH], control[UNSEEN_SQUARE] = control[CARRIED_SQUARE], 0.0, 0.0
+    control[LOCAL_SQUARE], control[GROWTH] = control[CARRIED_SQUARE], 0.0
     control[IMPACTS], control[START] = 0.0, time
     for i in range(motion.mode.size):
         scratch.bounced[i], scratch.segment[i] = time if motion.overlap[i] < 0.0 else math.inf, -1.0

@@ -277,7 +277,7 @@ def test_other_runs_keep_the_bead_whose_velocity_they_hold(chain: Chain) -> None
     start = State.at_start(chain, np.zeros(chain.contacts + 1))
     problem = Problem(chain, start, "accurate", 1.0, tolerance=1e-6, samples=2)
     for runs in range(4):
-        other = confirm._shaken_run(problem, 1e-5, runs).chain
+        other = confirm._perturbed_run(problem, 1e-5, runs).chain
         assert other.anchor == chain.anchor
         assert other.finite_mass == pytest.approx(chain.finite_mass, rel=3e-6)
 
