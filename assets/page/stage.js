@@ -125,9 +125,12 @@ function hold(pen, view, edge, across, rise) {
 // Return the positions of beads at rest. They follow from the gaps between the beads.
 const restOf = (gap) => gap.reduce((found, one) => [...found, found[found.length - 1] + one], [0]);
 
-// Return the drawn length of the strings. It is to scale, but the strings do not reach above the lower edge of the captions.
+// Distance in pixels from the captions to the lower edge of the bar to which the strings are attached.
+const BAR_BELOW = 12;
+
+// Return the drawn length of the strings. It is to scale, but the bar of the strings stays below the captions.
 function stringOf({ motion, scale, ground, size, captions }) {
-  return Math.min(scale * motion.strings, ground - size / 2 - captions.bottom);
+  return Math.min(scale * motion.strings, ground - size / 2 - captions.bottom - BAR_BELOW);
 }
 
 // Return the height at which each bead is drawn above the ground. Beads on strings move along arcs.
